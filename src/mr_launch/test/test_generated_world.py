@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from mr_launch.arguments import parse_arguments
+from mr_launch.begun import asked_settings
 from mr_launch.commands import make_plan
 from mr_launch.errors import UserError
 from mr_launch.world import find_world, keep_generated, robots_of
+from mr_sim.world_names import name_of
 
 
 def test_the_world_files_are_copied_to_the_mission(tmp_path, monkeypatch):
@@ -71,3 +73,24 @@ def test_a_start_that_nobody_gave_is_told(map_file, capsys):
 def test_starts_that_do_not_fit_are_told(map_file, world, starts, told):
     with pytest.raises(UserError, match=told):
         find_world(world, starts)
+
+
+@pytest.mark.parametrize("given", ["flat.world", "./flat.world", "link.world", "{whole}"])
+def test_a_world_has_one_path_and_one_name_in_records(tmp_path, monkeypatch, given):
+    monkeypatch.chdir(tmp_path)
+    whole = tmp_path.resolve() / "flat.world"
+    whole.write_text('model ( size [ 0.1 8 1 ] pose [ 4 0 0 0 ] ) position ( name "a" ranger ( ) )')
+    Path("link.world").symlink_to(whole)
+    plan = make_plan(parse_arguments(["--world", given.format(whole=whole), "--out", "o"]))
+    assert plan.world == asked_settings(plan)["world"] == str(whole)
+
+
+def test_a_link_beside_another_picture_is_the_world_that_it_shows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for folder, dark in (("one", 3), ("two", 5)):
+        Path(folder).mkdir()
+        rows = [b"\0" * 9] * dark + [b"\xff" * 9] * (9 - dark)
+        Path(folder, "plan.pgm").write_bytes(b"P5 9 9 255\n" + b"".join(rows))
+    Path("one/flat.world").write_text('model ( bitmap "plan.pgm" size [ 2 2 1 ] pose [ 9 9 0 0 ] )')
+    Path("two/flat.world").symlink_to(tmp_path / "one" / "flat.world")
+    assert find_world("two/flat.world") == name_of("two/flat.world") == str(tmp_path.resolve() / "two" / "flat.world")

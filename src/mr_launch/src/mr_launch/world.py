@@ -22,13 +22,15 @@ def find_world(name: str, starts: Sequence[float] = ()) -> str:
     """Path of a world given by name or file. `starts`: x m, y m and degrees of each robot in a map. Raises UserError
     that lists the known worlds."""
     from mr_sim.map_world import is_map
+    from mr_sim.world_names import name_of
     from mr_sim.worlds import StartsError, WorldNotFoundError, starts_of
     from mr_sim.worlds import find_world as find
 
     try:
         if starts and not is_map(name):
             raise UserError(f"--starts are for a map (.yaml); {name} says itself where its robots stand")
-        return str(find(name, starts=starts_of(starts)).resolve())
+        found = find(name_of(name), starts=starts_of(starts))
+        return str(found.parent.resolve() / found.name)
     except StartsError as error:
         raise UserError(str(error)) from None
     except (WorldNotFoundError, OSError) as error:
