@@ -195,7 +195,7 @@ class Agent:
         whereabouts = self._observations.whereabouts
         update = self._merged.step(self._reference, self.exchange, transforms, whereabouts, now)
         if update is not None:
-            self._effects.append(PublishMap(update.grid, update.changed))
+            self._effects.append(PublishMap(update.grid, update.changed, self.exchange.boot))
             if self._topology.is_base:
                 self.exchange.on_merged_map(update.grid)
         self._effects += [

@@ -10,7 +10,7 @@ from mr_grid import OccupancyGrid, Pose
 
 from .grid import Box
 from .job import Job
-from .messages import Tile
+from .messages import Boot, Tile
 from .payload import Payload
 from .whereabouts import Place
 
@@ -70,10 +70,12 @@ class Register:
 
 @dataclass(frozen=True, eq=False)
 class PublishMap:
-    """The global map, and the box of its cells that differ from the one before."""
+    """The global map, and the box of its cells that differ from the one before; `boot` names the run whose frame it is
+    in."""
 
     grid: OccupancyGrid
     changed: Box
+    boot: Boot
 
 
 class PublishPositions(NamedTuple):

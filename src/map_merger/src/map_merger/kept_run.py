@@ -16,12 +16,14 @@ SKIPPED = bounds.MOST_REQUESTED + 50
 """Update numbers that may have been used since the run was kept; missing so many, the others ask for everything."""
 
 
-def value_of(anchor: Anchor, source: str) -> Dict[str, object]:
-    """As a parameter. `source` names the process that makes the local map."""
+def value_of(anchor: Anchor, source: str, teller: str = "") -> Dict[str, object]:
+    """As a parameter. `source` names the process that makes the local map, `teller` the one that tells where the robot
+    is in it, empty while none does."""
     info = anchor.info
     return {
         "robot": anchor.robot,
         "source": source,
+        "teller": teller,
         "boot": [str(number) for number in anchor.boot],  # too large for XML-RPC
         "corner": [*info.origin, info.resolution],
         "updates": anchor.updates,
@@ -43,3 +45,8 @@ def anchor_of(value: object, robot: str, source: str) -> Optional[Anchor]:
     if not source or not is_own or not usable:
         return None
     return Anchor(robot, GridInfo(0, 0, resolution, Pose(x, y, yaw)), (seconds, nanoseconds), updates + SKIPPED)
+
+
+def teller_of(value: object) -> str:
+    """Who told where the robot is in the map of the run that was kept; empty if nobody knows."""
+    return str(value.get("teller", "")) if isinstance(value, dict) else ""

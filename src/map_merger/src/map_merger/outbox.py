@@ -67,5 +67,6 @@ class Outbox:
             if isinstance(old, PublishMap):
                 del self._effects[index]
                 same = old.grid.info == new.grid.info
-                return PublishMap(new.grid, old.changed.union(new.changed) if same else Box(0, 0, *new.grid.info.shape))
+                changed = old.changed.union(new.changed) if same else Box(0, 0, *new.grid.info.shape)
+                return PublishMap(new.grid, changed, new.boot)
         return new

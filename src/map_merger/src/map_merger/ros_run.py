@@ -1,40 +1,53 @@
 """The run of the own map on the robot's ROS master, and who makes that map."""
 
 import contextlib
-import xmlrpc.client
-from typing import Any, Optional
+from typing import Any, Optional, Tuple
 
 import rosgraph
 import rospy
 
+from mr_grid.map_frame import MapFrame
+from mr_grid.ros_map_frame import MASTER_FAILED
+
 from . import kept_run
 from .messages import Anchor
 
-_FAILED = (OSError, rosgraph.MasterException, xmlrpc.client.Error)
-
 
 class OwnRun:
-    """Keeps the run beside the node, and tells when the local map is made by another process than so far."""
+    """Keeps the run beside the node, and tells when the local map is made by another process than so far. `frame`: that
+    of the local map, which tf tells."""
 
-    def __init__(self, robot: str, topic: str) -> None:
+    def __init__(self, robot: str, topic: str, map_frame: str) -> None:
         """`topic`: of the local map; empty: there is none, and nothing is kept."""
+        self.frame = MapFrame(map_frame.lstrip("/"))
         self._robot, self._topic = robot, rospy.resolve_name(topic) if topic else ""
         self._parameter = rospy.get_name() + "_run"
         self._source = self._publisher()
         self._connection: Optional[dict] = None
-        self._kept = -1
+        self._kept: Tuple[int, str] = (-1, "")
 
     def former(self) -> Optional[Anchor]:
-        """The run that the node left when it ended, if the local map has been made by the same process since."""
-        return kept_run.anchor_of(rospy.get_param(self._parameter, None), self._robot, self._source)
+        """The run that the node left when it ended, if the local map has been made by the same process since. One that
+        came by way of a relay may be another one all the same: then tf tells."""
+        value = rospy.get_param(self._parameter, None)
+        anchor = kept_run.anchor_of(value, self._robot, self._source)
+        if anchor is not None:
+            self.frame = MapFrame(self.frame.map_frame, teller=kept_run.teller_of(value))
+        return anchor
+
+    def end(self) -> None:
+        """Nobody is to go on with it."""
+        with contextlib.suppress(*MASTER_FAILED, KeyError):
+            rospy.delete_param(self._parameter)
 
     def keep(self, anchor: Optional[Anchor]) -> None:
         """To be called again and again."""
-        if anchor is None or not self._source or anchor.updates == self._kept:
+        teller = self.frame.teller
+        if anchor is None or not self._source or (anchor.updates, teller) == self._kept:
             return
-        with contextlib.suppress(*_FAILED):
-            rospy.set_param(self._parameter, kept_run.value_of(anchor, self._source))
-            self._kept = anchor.updates
+        with contextlib.suppress(*MASTER_FAILED):
+            rospy.set_param(self._parameter, kept_run.value_of(anchor, self._source, teller))
+            self._kept = (anchor.updates, teller)
 
     def is_over(self, message: Any) -> bool:
         """Whether a message of the local map comes from another process: its frame is another one then."""
@@ -52,5 +65,5 @@ class OwnRun:
         try:
             nodes = [node for name, nodes in master.getSystemState()[0] if name == self._topic for node in nodes]
             return str(master.lookupNode(nodes[0])) if len(nodes) == 1 else ""
-        except _FAILED:
+        except MASTER_FAILED:
             return ""

@@ -70,7 +70,7 @@ def send(number):
 
 
 def published(size, *edges):
-    return PublishMap(OccupancyGrid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8)), Box(*edges))
+    return PublishMap(OccupancyGrid(GridInfo(size, size, 0.05), np.zeros((size, size), np.int8)), Box(*edges), (1, 2))
 
 
 def test_a_full_outbox_drops_old_notes_and_hands_back_sends():

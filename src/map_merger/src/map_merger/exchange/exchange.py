@@ -75,6 +75,11 @@ class Exchange:
         if self._broadcast.on_map(grid):
             self._broadcast.tell_at_once()
 
+    @property
+    def boot(self) -> Boot:
+        """Names the run of the own map."""
+        return self._sender.boot
+
     def begin_run(self, boot: Boot) -> None:
         """The own map begins anew, in another frame; `boot` names the new run."""
         self._broadcast.begin_run(boot)
