@@ -14,6 +14,7 @@ from explorer.edge import Edge
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
+from explorer.homecoming import HOME_LOST
 from explorer.memory import Memory
 from explorer.messages import Auction, Effect, Note
 from explorer.missions import Missions, OnDecision
@@ -36,7 +37,8 @@ MAXIMUM_CHOSEN = 5000  # elements of one negotiation list that are read
 class ExplorerAgent:
     """See the module. Bounded in memory; every message from outside may be late, lost, doubled or out of order.
 
-    Owns what outlives a mission; the mission is an `Exploration`, and a new one when the clock is set back."""
+    Owns what outlives a mission; the mission is an `Exploration`, and a new one when the clock is set back or the map
+    frame is another one."""
 
     def __init__(self, options: Options, on_decision: Optional[OnDecision] = None) -> None:
         """`on_decision` takes each decision of the strategy at the moment when it is made."""
@@ -84,6 +86,15 @@ class ExplorerAgent:
     def recall(self, memory: Memory, now: float) -> None:
         """Goes on with a mission after the node was started anew; before the first tick."""
         self.mission.recall(memory, now)
+
+    def on_new_frame(self, shift: Optional[Pose], now: float) -> None:
+        """The robot's SLAM has begun a new map, in another frame; maps and poses of before must not come any more.
+        `shift`: the former frame in the new one, None where it is not known."""
+        self._senses.begin_frame(shift)
+        self.foreign.forget_transforms()
+        self.mission = self._missions.in_new_frame(self.mission, now)
+        home = f"; {HOME_LOST}" if self._senses.home_is_lost else ""
+        self._outbox.append(Note(f"SLAM was started anew: goes on in the frame of its new map{home}", True))
 
     def on_global_map(self, occupancy: OccupancyMap, now: float) -> None:
         self._senses.take_map(occupancy, now)

@@ -39,7 +39,7 @@ class Course:
         orders = self._orders
         return Memory(
             senses.home, self.started_at, self.finished_at, orders.ended_by or "", orders.homeward, orders.halt,
-            float(round(senses.distance)),
+            float(round(senses.distance)), senses.home_is_lost,
         )  # fmt: skip
 
     def recall(self, memory: Memory, senses: Senses, now: float) -> None:
@@ -47,6 +47,7 @@ class Course:
         mission starts anew, as when the clock is set back."""
         if memory.home is not None and senses.home is None:
             senses.home = memory.home
+        senses.home_is_lost = senses.home_is_lost or memory.home_is_lost
         ordered = memory.ended_by in ORDERED
         if memory.started_at is None and not ordered:
             return

@@ -88,6 +88,11 @@ class ForeignFrontiers:
         else:
             self._transforms[robot] = rows
 
+    def forget_transforms(self) -> None:
+        """The own map frame is another one."""
+        for robot in list(self._transforms):
+            self.set_transform(robot, None)
+
     def has_transform(self, robot: str) -> bool:
         return robot in self._transforms
 

@@ -14,6 +14,8 @@ from explorer.senses import Senses
 from explorer.status import State
 from mr_grid import Pose
 
+HOME_LOST = "its home is not known any more"  # where SLAM was started anew, and nothing ties the two maps
+
 
 class Homecoming:
     """To be used once the robot has a pose."""
@@ -35,21 +37,24 @@ class Homecoming:
 
     def follow_call(self, now: float) -> None:
         """A step of a robot that was called back; it waits at home, or where it cannot come nearer."""
-        self._go(CALLED, State.WAITING, now)
+        if self._senses.home_is_lost:
+            self._stay(CALLED, State.WAITING)
+        else:
+            self._go(CALLED, State.WAITING, now)
 
     def end_mission(self, now: float) -> None:
         """A step of a robot whose exploration has ended."""
         ended_by = self._orders.ended_by
         assert ended_by is not None
-        if self._orders.homeward:
+        if self._orders.homeward and not self._senses.home_is_lost:
             self._go(ended_by, State.FINISHED, now)
         else:
-            self._driver.drop()
-            self._course.be(State.FINISHED, f"{ended_by}, {self._whereabouts}")
+            self._stay(ended_by, State.FINISHED)
 
     def makes_room(self, now: float) -> bool:
         """Whether a robot whose mission is over has to drive once more, for another one."""
-        return self._orders.homeward and self._senses.pose is not None and self._room.place(now) is not None
+        drives = self._orders.homeward and not self._senses.home_is_lost
+        return drives and self._senses.pose is not None and self._room.place(now) is not None
 
     def _go(self, why: str, then: State, now: float) -> None:
         """Home, and there out of the way of others."""
@@ -60,11 +65,14 @@ class Homecoming:
             if self._driver.goal is not None or apart(self._poses()[0], aside) > ARRIVED_DISTANCE:
                 self._head_for(aside, now)
         elif self._over:
-            self._driver.drop()
-            self._course.be(then, f"{why}, {self._whereabouts}")
+            self._stay(why, then)
         else:
             self._course.be(State.RETURNING, f"{why}, drives home")
             self._head_for(self._poses()[1], now)
+
+    def _stay(self, why: str, then: State) -> None:
+        self._driver.drop()
+        self._course.be(then, f"{why}, {self._whereabouts}")
 
     def take_result(self, outcome: str, now: float) -> None:
         """Of a goal on the way."""
@@ -88,6 +96,8 @@ class Homecoming:
 
     @property
     def _whereabouts(self) -> str:
+        if self._senses.home_is_lost:
+            return HOME_LOST
         return "at home" if at_home(*self._poses()) else "away from home"
 
     def _head_for(self, place: Pose, now: float) -> None:

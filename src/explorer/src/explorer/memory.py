@@ -16,7 +16,8 @@ class MemoryTextError(ExplorerError):
 @dataclass(frozen=True)
 class Memory:
     """Times in s, None while it has not come to that; `distance` in whole m; `halt`: the order that holds the robot
-    (`orders.PAUSED`, `orders.CALLED`), or empty; `ended_by` as in `Orders`, empty while it explores."""
+    (`orders.PAUSED`, `orders.CALLED`), or empty; `ended_by` as in `Orders`, empty while it explores; `home_is_lost` as
+    in `Senses`."""
 
     home: Optional[Pose] = None
     started_at: Optional[float] = None
@@ -25,6 +26,7 @@ class Memory:
     homeward: bool = True
     halt: str = ""
     distance: float = 0.0
+    home_is_lost: bool = False
 
     def text(self) -> str:
         return json.dumps(asdict(self))

@@ -1,4 +1,5 @@
-"""Makes the missions of one robot: the first one, and a new one when the clock is set back."""
+"""Makes the missions of one robot: the first one, and a new one when the clock is set back or the map frame is another
+one."""
 
 from typing import Any, Callable, Mapping, Optional
 
@@ -56,6 +57,18 @@ class Missions:
         if old.orders.ended_by in ORDERED and old.orders.homeward:
             mission.steering.go_home(now)
         mission.orders.halt = old.orders.halt
+        return mission
+
+    def in_new_frame(self, old: Exploration, now: float) -> Exploration:
+        """The map begins anew, in another frame: what was decided in the former one is gone. Start, end, orders, limits
+        and the way driven stay, and home where that is known."""
+        old.driver.drop()
+        distance = self._senses.distance
+        self._perception.begin_frame()
+        mission = self._make(old.driver.last_id, old.auctions.last_id)
+        mission.recall(old.memory, now)
+        self._senses.distance = distance
+        mission.hearing.take_robots(old.team.known())
         return mission
 
     def _see_again(self, now: float) -> None:

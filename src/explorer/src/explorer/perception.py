@@ -61,6 +61,11 @@ class Perception:
         self._place: Position = (math.inf, math.inf)
         self._time = -math.inf
 
+    def begin_frame(self) -> None:
+        """Forgets everything: the map frame is another one."""
+        self.restart()
+        self.ways = None
+
     def take_map(self) -> None:
         """There is a new map."""
         self._new_map = True

@@ -12,13 +12,15 @@ NOTHING_TIME = 5.0  # s at rest after which a map that does not change counts as
 
 
 class Senses:
-    """Map, pose and home outlive a mission; times and the way driven belong to one. `shown`: time in seconds up to
-    which the map shows what the robot has seen: that of the last map of its own SLAM that came before."""
+    """Map, pose and home outlive a mission; times and the way driven belong to one. `home`: None until the robot has a
+    pose, and for good where it `is_lost`. `shown`: time in seconds up to which the map shows what the robot has seen:
+    that of the last map of its own SLAM that came before."""
 
     def __init__(self, home: Optional[Pose]) -> None:
         self.map: Optional[OccupancyMap] = None
         self.pose: Optional[Pose] = None
         self.home = home
+        self.home_is_lost = False
         self.restart()
 
     def restart(self) -> None:
@@ -29,6 +31,14 @@ class Senses:
         self._own_map_time = -math.inf
         self._motion_time = -math.inf
         self._motion_pose: Optional[Pose] = None
+
+    def begin_frame(self, shift: Optional[Pose]) -> None:
+        """The map frame is another one; `shift`: the former one in it, None where nothing ties them."""
+        if self.home is not None:
+            self.home = None if shift is None else shift.compose(self.home)
+            self.home_is_lost = self.home is None
+        self.map = self.pose = self._motion_pose = None
+        self.map_time = self.shown = self._own_map_time = self._motion_time = -math.inf
 
     def take_map(self, occupancy: OccupancyMap, now: float) -> None:
         self.map, self.map_time = occupancy, now
@@ -44,7 +54,7 @@ class Senses:
             step = apart(self.pose, pose)
             self.distance += step if step > 0.005 else 0.0
         self.pose = pose
-        if self.home is None:
+        if self.home is None and not self.home_is_lost:
             self.home = pose
         anchor = self._motion_pose
         if anchor is None or apart(anchor, pose) > 0.05 or abs(turn(anchor.yaw, pose.yaw)) > 0.1:

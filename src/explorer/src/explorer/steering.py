@@ -6,6 +6,7 @@ from explorer.answer import Answer
 from explorer.course import Course
 from explorer.driver import Driver, at_home
 from explorer.ending import Ending
+from explorer.homecoming import HOME_LOST
 from explorer.orders import CALLED, PAUSED, SENT_HOME, STOPPED, Orders
 from explorer.senses import Senses
 from explorer.status import State
@@ -49,6 +50,8 @@ class Steering:
         """The robot drives home at once and claims nothing until `resume`: the exploration has not ended."""
         if not self._begun():
             return self._not_begun()
+        if self._senses.home_is_lost:
+            return Answer(False, HOME_LOST)
         if self._ended or self._orders.halt == CALLED:
             return Answer(False, "is called back already" if self._orders.halt else f"has ended: {self._course.text}")
         self._halt(CALLED, now)
@@ -78,6 +81,8 @@ class Steering:
 
     def go_home(self, now: float) -> Answer:
         """Ends the exploration; the robot drives home, also if it was stopped before or is not to return by itself."""
+        if self._senses.home_is_lost:
+            return Answer(False, HOME_LOST)
         here, home = self._senses.pose, self._senses.home
         if not self._begun() or here is None or home is None:
             return self._not_begun()
