@@ -16,7 +16,10 @@ from nav_msgs.msg import OccupancyGrid, Path
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
+from mr_grid import OccupancyGrid as OccupancyGridValue
 from mr_grid import Pose
+from mr_grid.map_frame import MapFrame, MapRuns, NewFrame
+from mr_grid.ros_map_frame import FrameListener, run_of_map
 from mr_grid.ros_node import init_node, warn_of_unknown_parameters
 from mr_robot.navigation import ros_io
 from mr_robot.navigation.action_server import LatestGoalServer
@@ -55,11 +58,14 @@ class MoveBaseNode:
         self._frames = frame_parameters(FRAMES)
         topics = topic_parameters({**DRIVERS, "map_topic": MAP_TOPIC})
         self._lock = threading.RLock()
+        self._runs = MapRuns()
+        self._unnamed: Optional[OccupancyGridValue] = None  # the map, where it does not say whose frame it is in
         self._scan: Optional[Any] = None
         self._planned_at = self._fed_back_at = -float("inf")
         self._moving = False
         self._buffer = tf2_ros.Buffer(rospy.Duration(10.0))
-        self._listener = tf2_ros.TransformListener(self._buffer)
+        frame = MapFrame(self._frames["map_frame"], self._frames["base_frame"])
+        self._listener = FrameListener(self._buffer, frame, self._on_new_frame)
         self._tf_poses = TfPoses(self._buffer, self._frames)
         self._command = rospy.Publisher(topics["velocity_topic"], Twist, queue_size=1)
         self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
@@ -81,7 +87,11 @@ class MoveBaseNode:
         self._look_at_frame("map", message)
         try:
             with self._lock:
-                self._navigator.set_map(ros_io.grid_value(message))
+                run = run_of_map(message)
+                if self._runs.take(run, message.header.stamp.to_sec()):
+                    grid = ros_io.grid_value(message)
+                    self._navigator.set_map(grid)
+                    self._unnamed = grid if run is None else None
         except NavigationError as error:
             rospy.logwarn_throttle(10.0, f"map ignored: {error}")
 
@@ -92,6 +102,15 @@ class MoveBaseNode:
                 self._navigator.set_own_map(ros_io.grid_value(message), rospy.get_time())
         except NavigationError as error:
             rospy.logwarn_throttle(10.0, f"own map ignored: {error}")
+
+    def _on_new_frame(self, new: NewFrame) -> None:
+        """What the robot knows is in the former frame. A map of nobody's run may be that of a building, which holds."""
+        with self._lock:
+            self._runs.begin(new.until)
+            self._navigator = Navigator(self._navigator.options, self._navigator.name)
+            if self._unnamed is not None:
+                self._navigator.set_map(self._unnamed)
+            self._give_up("whoever tells where the robot is was started anew: the goal was in the frame of before")
 
     def _look_at_frame(self, what: str, message: Any) -> None:
         frame = frame_name(message.header.frame_id)
