@@ -68,6 +68,10 @@ def roslaunch():
         start_new_session=True,
     )
     values = arguments()
+    if os.environ.get("DUMMY_DEAF") == values["robot_name"]:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        print("deaf", flush=True)
+        time.sleep(1000.0)
     if os.environ.get("DUMMY_DIES") == values["robot_name"]:
         threading.Timer(1.0, died).start()
     signal.signal(signal.SIGINT, lambda *_: os._exit(0))

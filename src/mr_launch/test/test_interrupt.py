@@ -4,9 +4,13 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+
+from mr_launch.team import NODES_PATIENCE
+from mr_measures.record.files import read_record
 
 TEAM = Path(__file__).resolve().parents[1] / "nodes" / "team"
 
@@ -28,6 +32,25 @@ def test_an_interrupt_during_the_imports_ends_it_without_a_traceback(slow):
         team.send_signal(signal.SIGINT)
         _, errors = team.communicate(timeout=20.0)
     assert (team.returncode, errors) == (-signal.SIGINT, "")
+
+
+@pytest.mark.parametrize("isolation", ["namespaces", "hub"])
+def test_an_interrupt_before_the_mission_begins_waits_for_no_roslaunch_that_is_starting(tmp_path, isolation):
+    """Which hears nothing, or waits 20 s for itself; the team waited 25 s for it."""
+    if isolation == "namespaces" and os.geteuid() != 0:
+        pytest.skip("needs root; the hub covers the rest")
+    command = [sys.executable, str(Path(__file__).with_name("dummy_team.py")), str(tmp_path / "out"), isolation]
+    path = os.pathsep.join([str(TEAM.parents[1] / "src"), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "PYTHONPATH": path, "DUMMY_DEAF": "robot_1"}
+    log = tmp_path / "out" / "logs" / "robot_1.log"
+    with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as team:
+        while team.poll() is None and not (log.exists() and "deaf" in log.read_text()):
+            time.sleep(0.02)
+        asked = time.monotonic()
+        team.send_signal(signal.SIGINT)
+        assert team.wait(timeout=60.0) == 130
+    assert time.monotonic() - asked < NODES_PATIENCE / 2.0
+    assert read_record(tmp_path / "out" / "record.json").outcome.reason == "interrupted"
 
 
 @pytest.mark.parametrize(

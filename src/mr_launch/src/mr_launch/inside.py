@@ -88,10 +88,11 @@ class Run:
     def _wind_up(self, code: int) -> int:
         """Maps, orderly end of all nodes, and the files; also after a failure, with what there is."""
         cpu = self._cpu_shares()
-        if self.outcome.start > 0.0:
+        begun = self.outcome.start > 0.0
+        if begun:
             self.mission.collect_maps()
         self.outcome.restarts = self.team.restarts
-        self.team.stop_robots()
+        self.team.stop_robots(begun)
         self.team.stop_rest()
         self.server.close()
         self.truth.update()

@@ -37,6 +37,9 @@ from mr_launch.running_state import remove_state, write_state
 from mr_launch.world import write_walls
 
 NODES_PATIENCE = 25.0  # s; roslaunch itself waits 15 s for its nodes, then 2 s more
+START_PATIENCE = (
+    2.0  # s; a roslaunch that is starting nodes waits 20 s for itself, and one that is read may hear nothing
+)
 
 
 class Team:
@@ -66,7 +69,8 @@ class Team:
         self._start("reference", truth_command(self.plan), {}, may_finish=True)
         self._start("world", world_command(self.plan), {})
         for robot in self.plan.hosts:
-            self._launch(robot)
+            if not stopped():
+                self._launch(robot)
         self._write_state()
 
     def _launch(self, robot: RobotPlan) -> None:
@@ -136,9 +140,11 @@ class Team:
             counts[name] = dict(+total)
         return counts
 
-    def stop_robots(self) -> None:
-        """End all nodes in order, so that bags are closed and logs are complete."""
-        self.children.stop(list(self.launches.values()), signal.SIGINT, NODES_PATIENCE)
+    def stop_robots(self, begun: bool) -> None:
+        """End all nodes in order, so that bags are closed and logs are complete. Before the mission has `begun` there
+        is nothing to keep: what does not end soon goes with the namespace, or with the supervisor."""
+        patience = NODES_PATIENCE if begun else START_PATIENCE
+        self.children.stop(list(self.launches.values()), signal.SIGINT, patience)
 
     def stop_rest(self) -> None:
         """End radio (it writes its statistics now) and world, then whatever is left."""

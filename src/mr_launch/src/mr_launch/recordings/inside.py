@@ -24,7 +24,7 @@ from mr_launch.processes import Child, Children, dies_with_parent, program_envir
 from mr_launch.recordings.replay_plan import SAVE, PlayedRobot, ReplayPlan, environment, launch_command
 from mr_launch.reports import ReportServer
 from mr_launch.running_state import remove_state, write_state
-from mr_launch.team import NODES_PATIENCE
+from mr_launch.team import NODES_PATIENCE, START_PATIENCE
 
 READY_PATIENCE = 90.0  # s of real time for masters and nodes
 STANDSTILL_PATIENCE = 30.0  # s of real time without recorded time
@@ -42,6 +42,7 @@ class Replay:
         self._launches: list[Child] = []
         self._holders: dict[str, int] = {}
         self._watches: dict[str, NodeWatch] = {}
+        self._begun = False
 
     def run(self) -> int:
         names = [robot.name for robot in self.plan.robots]
@@ -70,6 +71,7 @@ class Replay:
             {robot.name: environment(self.plan, robot) for robot in self.plan.robots},
         )
         self._wait(lambda: not any(report.missing for report in self._reports.values()), READY_PATIENCE, self._missing)
+        self._begun = True
         for name in self._reports:
             self._server.request(name, request="go")
         self._follow()
@@ -149,7 +151,7 @@ class Replay:
             raise TeamFailure("\n".join(broken))
 
     def _wind_up(self) -> None:
-        self._children.stop(self._launches, signal.SIGINT, NODES_PATIENCE)
+        self._children.stop(self._launches, signal.SIGINT, NODES_PATIENCE if self._begun else START_PATIENCE)
         self._children.stop_all(5.0)
         self._server.close()
         with contextlib.suppress(OSError):
