@@ -85,12 +85,12 @@ class Bag:
         )
         return self.make("nav_msgs/OccupancyGrid", self.header(time, "/map"), info, cells.reshape(-1).astype(np.int8))
 
-    def odometry(self, time):
+    def odometry(self, time, frames=("odom", "base_footprint")):
         nothing = np.zeros(36)
         zero = self.make("geometry_msgs/Vector3", 0.0, 0.0, 0.0)
         twist = self.make("geometry_msgs/TwistWithCovariance", self.make("geometry_msgs/Twist", zero, zero), nothing)
         pose = self.make("geometry_msgs/PoseWithCovariance", self.pose(1.5, 2.5), nothing)
-        return self.make("nav_msgs/Odometry", self.header(time, "odom"), "base_footprint", pose, twist)
+        return self.make("nav_msgs/Odometry", self.header(time, frames[0]), frames[1], pose, twist)
 
     def heard(self, sender, stamp):
         posed = self.make("geometry_msgs/PoseStamped", self.header(stamp, "map"), self.pose(0, 0))

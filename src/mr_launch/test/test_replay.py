@@ -209,6 +209,35 @@ def planned(folder, mission, *arguments):
     return make_plan(find_recording(folder / mission), options, out, {})
 
 
+FRAMES = {"base_frame": "base", "odom_frame": "wheels"}
+
+
+@pytest.mark.parametrize(
+    ("frames", "arguments"),
+    [
+        (("wheels", "base"), FRAMES),
+        (("/wheels", "/base"), FRAMES),
+        (("odom", "base_footprint"), {}),
+        (("odom", ""), {}),
+    ],
+)
+def test_frames_that_the_launch_file_was_given_are_found_in_the_bags(tmp_path, frames, arguments):
+    """Once explorer and navigation that ran again waited in vain for the robot's pose."""
+    with Bag(tmp_path / "a" / "a.bag") as bag:
+        bag.add(3 * SECOND, "base_pose_ground_truth", bag.odometry(3 * SECOND, ("world", "truth")))
+        bag.add(4 * SECOND, "odom", bag.odometry(4 * SECOND, frames))
+        bag.add(5 * SECOND, "base_scan", bag.scan(5 * SECOND))
+        bag.add(5 * SECOND, "map", bag.grid(5 * SECOND, np.zeros((2, 3))))
+    (robot,) = planned(tmp_path, "a", "--compute", "explorer").robots
+    told = {word: value for word, value in robot.arguments.items() if word.endswith("_frame")}
+    assert told == arguments
+    parameters = parameters_of(
+        "replayed_robot.launch", *ARGUMENTS, *(f"{word}:={value}" for word, value in told.items())
+    )
+    base = arguments.get("base_frame", "base_footprint")
+    assert {parameters["/explorer/base_link"], parameters["/move_base/base_frame"]} == {base}
+
+
 def record_drivers(path, *scans):
     with Bag(path) as bag:
         for topic in scans:

@@ -24,7 +24,7 @@ from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, initial_poses
 from mr_launch.programs import find_played, free_ports
 from mr_launch.recordings.bags import SECOND, Span, opened
 from mr_launch.recordings.cut import cut, is_played
-from mr_launch.recordings.drivers import driver_arguments, scan_note
+from mr_launch.recordings.drivers import driver_arguments, frame_arguments, scan_note
 from mr_launch.recordings.recording import WHAT_IS_FOUND, Recording, find_recording, with_bodies, with_messages
 from mr_launch.recordings.replay_plan import PlayedRobot, ReplayPlan
 from mr_launch.recordings.survey import Survey, clock_shifts
@@ -127,7 +127,7 @@ def make_plan(recording: Recording, options: argparse.Namespace, out: Path, prog
         bag = cuts_folder(out) / f"{robot.name}.bag"
         with opened(robot.bags) as reader:
             cut(reader, bag, spans[robot.name], is_played(options.compute))
-            arguments = computing_arguments(copy, robot.name, options, reader.connections) if options.compute else {}
+            arguments = computing_arguments(copy, robot.name, options, reader) if options.compute else {}
         robots.append(PlayedRobot(robot.name, port, str(bag), spans[robot.name].end / SECOND, arguments))
     if options.compute:
         _prepare_results(recording, copy, out)
@@ -167,14 +167,12 @@ def played_spans(recording: Recording, first: float, last: float) -> dict[str, S
     return {name: Span(begin - moves[name], until - moves[name]) for name in names}
 
 
-def computing_arguments(
-    plan: Plan | None, name: str, options: argparse.Namespace, connections: Sequence[Any]
-) -> dict[str, str]:
+def computing_arguments(plan: Plan | None, name: str, options: argparse.Namespace, reader: Any) -> dict[str, str]:
     """Of replayed_robot.launch: what the nodes have to know, from the mission's plan or from options and bags."""
     strategy = options.strategy if options.strategy is not None else plan.options.strategy if plan else STRATEGY
     if plan is None:
         robot = options.robot or "pioneer"
-        return {"robot": robot, "frontier_selection": str(strategy), **_driver_topics(name, robot, connections)}
+        return {"robot": robot, "frontier_selection": str(strategy), **_driver_arguments(name, robot, reader)}
     preset = {robot.name: robot.preset for robot in plan.robots}[name]
     return {
         "robot": options.robot or plan.preset_file(preset),
@@ -188,15 +186,17 @@ def computing_arguments(
     }
 
 
-def _driver_topics(name: str, preset: str, connections: Sequence[Any]) -> dict[str, str]:
-    """Those that robot.launch was told, as far as the bags tell."""
+def _driver_arguments(name: str, preset: str, reader: Any) -> dict[str, str]:
+    """Topics and frames that robot.launch was told, as far as the bags tell."""
     from mr_robot.platforms.preset import load_platform
 
-    topics = asdict(load_platform(preset).topics)
-    note = scan_note(name, connections, topics)
+    platform = load_platform(preset)
+    topics = asdict(platform.topics)
+    note = scan_note(name, reader.connections, topics)
     if note:
         print(f"replay: {note}", file=sys.stderr)
-    return driver_arguments(connections, topics)
+    told = driver_arguments(reader.connections, topics)
+    return {**told, **frame_arguments(reader, told.get("odometry_topic", topics["odometry"]), asdict(platform.frames))}
 
 
 def cuts_folder(out: Path) -> Path:
