@@ -1,7 +1,10 @@
-"""What happens to a node whose output goes to a full disk."""
+"""What happens to a node whose output goes to a full disk, and to one that is interrupted while it sends."""
 
 import errno
 import logging
+import signal
+import subprocess
+import sys
 from typing import List
 
 import pytest
@@ -42,3 +45,30 @@ def test_what_can_be_written_is(capfd: pytest.CaptureFixture) -> None:
     lose_what_cannot_be_written(logger)
     logger.warning("a wheel is stuck")
     assert "a wheel is stuck" in capfd.readouterr().err
+
+
+SENDING = """
+import sys, threading, time
+import rospy
+from mr_grid.ros_node import end_beside_the_main_thread
+lock = threading.Lock()  # as a connection has one
+rospy.core.register_signals()  # as rospy.init_node does
+end_beside_the_main_thread()
+rospy.on_shutdown(lambda: lock.acquire())
+with lock:
+    print("sends", flush=True)
+    time.sleep(1.0)
+while not rospy.is_shutdown():
+    time.sleep(0.01)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_the_node_sends_ends_it(number: signal.Signals) -> None:
+    with subprocess.Popen([sys.executable, "-c", SENDING], stdout=subprocess.PIPE, text=True) as node:
+        assert node.stdout is not None and node.stdout.readline() == "sends\n"
+        node.send_signal(number)
+        try:
+            assert node.wait(timeout=20.0) == 0
+        finally:
+            node.kill()

@@ -2,7 +2,10 @@
 
 import contextlib
 import logging
-from typing import Any, Iterable
+import signal
+import threading
+from types import FrameType
+from typing import Any, Iterable, Optional
 
 import rospy
 from rosgraph.roslogging import RosStreamHandler
@@ -11,8 +14,10 @@ from mr_grid.parameter_names import unknown_parameters
 
 
 def init_node(name: str, **options: Any) -> None:
-    """As `rospy.init_node`. What the node logs is lost where it cannot be written, and the node goes on."""
+    """As `rospy.init_node`. What the node logs is lost where it cannot be written, and the node goes on; signals end it
+    whatever the main thread is at."""
     rospy.init_node(name, **options)
+    end_beside_the_main_thread()
     lose_what_cannot_be_written(logging.getLogger("rosout"))
 
 
@@ -29,6 +34,17 @@ def lose_what_cannot_be_written(logger: logging.Logger) -> None:
         if isinstance(handler, RosStreamHandler):
             logger.removeHandler(handler)
             logger.addHandler(_Lossy(handler))
+
+
+def end_beside_the_main_thread() -> None:
+    """rospy shuts down in the handler of a signal, that is in the middle of what the main thread does. Where that was
+    sending, with the lock of a connection, both waited for one another until roslaunch killed the node 17 s later."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _shut_down)
+
+
+def _shut_down(number: int, _: Optional[FrameType]) -> None:
+    threading.Thread(target=rospy.signal_shutdown, args=(f"signal-{number}",)).start()
 
 
 class _Lossy(logging.Handler):
