@@ -263,10 +263,10 @@ def test_a_relative_folder_for_records_is_refused(path, tmp_path, monkeypatch, c
     assert f"record_path:={path} has to begin with /" in capfd.readouterr().err and not list(tmp_path.iterdir())
 
 
-def test_nodes_are_started_again_but_for_slam():
+def test_nodes_are_started_again():
     everything = ("simulated:=true", "mission_control:=true", "teleop:=true")
     again = {node.name for node in loaded("robot.launch", *everything).nodes if node.respawn}
-    assert again == set(RESPAWNED) and "slam" not in again
+    assert again == set(RESPAWNED) and "slam" in again
     assert not any(node.respawn for node in loaded("robot.launch", "respawn:=false").nodes)
 
 

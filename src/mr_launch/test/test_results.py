@@ -172,8 +172,8 @@ def test_ends_that_are_followed_by_a_new_start_are_counted_while_they_are_few(tm
     died += "[explorer-4] restarting process\n"
     (tmp_path / "robot_0.log").write_text(2 * died)
     assert watch.failures() == [] and watch.restarts == {"explorer": 2}
-    (tmp_path / "robot_0.log").write_text(2 * died + died.replace("explorer", "slam"))
-    assert [end.name for end in watch.failures()] == ["slam"]
+    (tmp_path / "robot_0.log").write_text(2 * died + died.replace("explorer", "robot"))
+    assert [end.name for end in watch.failures()] == ["robot"]
     (tmp_path / "robot_0.log").write_text((MOST_RESTARTS + 1) * died)
     assert {end.name for end in watch.failures()} == {"explorer"}
     assert [end.name for end in NodeWatch(tmp_path / "robot_0.log").failures()][:1] == ["explorer"]

@@ -16,6 +16,7 @@ from mr_launch.errors import TeamFailure
 from mr_launch.exit_codes import FAILED, INTERRUPTED, OK
 from mr_launch.first_process import hold_lifeline, make_private_file_system
 from mr_launch.lifeline import Lifeline
+from mr_launch.map_starts import MapStarts
 from mr_launch.mission import Interrupted, Mission, Outcome
 from mr_launch.plan import Plan
 from mr_launch.processes import cpu_seconds
@@ -37,6 +38,7 @@ class Run:
         self.team = Team(plan, lifeline.wait_for_init(5.0), page)
         self.truth = Truth(Path(plan.out) / "truth.csv", [robot.name for robot in plan.robots])
         self.outcome = Outcome()
+        self._map_starts = MapStarts()
         self._cpu: dict[int, tuple[str, float, int]] = {}
         self._cpu_time = 0.0
         self._begun = time.time()
@@ -80,7 +82,16 @@ class Run:
         for news in self.team.news():
             self.view.notice(f"team: {news}")
             self.outcome.notes.append(news)
+        self._follow_new_maps()
         return failures
+
+    def _follow_new_maps(self) -> None:
+        """Of robots whose SLAM was started again: figures count from where they began."""
+        for robot in self.team.take_lost_maps():
+            self._map_starts.lose(robot, self.truth.time)
+        for robot, start in self._map_starts.found(self.server.logs, self.truth.tracks).items():
+            self.team.starts[robot] = start
+            self.server.request(robot, request="begin", start=list(start))
 
     def _start_of_measuring(self) -> None:
         self._cpu, self._cpu_time = cpu_seconds(), time.monotonic()

@@ -22,6 +22,7 @@ RESPAWNED = (
     "adhoc_communication",
     "map_merger",
     "explorer",
+    "slam",
     "move_base",
     "mission_control",
     "velocity_override",
@@ -81,6 +82,7 @@ class NodeWatch:
         self.restarts: dict[str, int] = {}
         self._news: list[str] = []
         self._told = 0
+        self._lost_maps = 0
 
     def failures(self) -> list[NodeEnd]:
         """Ends that the mission does not survive. The others are counted in `restarts`."""
@@ -90,6 +92,11 @@ class NodeWatch:
         counts = Counter(end.name for end in ends if end.name in RESPAWNED and not end.reason)
         self.restarts = dict(counts)
         return [end for end in ends if end.reason or not 0 < counts[end.name] <= MOST_RESTARTS]
+
+    def take_lost_map(self) -> bool:
+        """Whether SLAM has ended since this was last asked, and its map with it."""
+        before, self._lost_maps = self._lost_maps, self.restarts.get("slam", 0)
+        return self._lost_maps > before
 
     def new_ends(self) -> list[NodeEnd]:
         """All ends so far if there are new ones, else none."""

@@ -53,7 +53,7 @@ class Team:
         self._page = page
         self._holders: dict[str, int] = {}
         self._watches: dict[str, list[NodeWatch]] = {}  # one for each start of a robot
-        self.starts: dict[str, Pose] = {}  # true poses of robots that were started again, when they were
+        self.starts: dict[str, Pose] = {}  # true poses of robots when their present maps began, where not at the start
         self.place: Callable[[str], Pose | None] = lambda robot: None
         self.on_restart: Callable[[str], None] = lambda robot: None
         self._own_namespaces = plan.isolation != isolation.HUB
@@ -128,6 +128,10 @@ class Team:
             for watch in watches
             for text in watch.take_news()
         ]
+
+    def take_lost_maps(self) -> list[str]:
+        """Robots whose SLAM has ended and is started again, each once for each time."""
+        return [name for name, watches in self._watches.items() if watches[-1].take_lost_map()]
 
     @property
     def restarts(self) -> dict[str, dict[str, int]]:
