@@ -22,6 +22,18 @@ bool is_hit(float range, const LaserGeometry& geometry) {
   return range >= geometry.range_min && range < geometry.range_max - 1e-3;
 }
 
+// Whether a wall at `range` in the direction of the beam `at`, which may lie between two beams, is what these see. The
+// nearest of few beams looks elsewhere, but on the way from what one hits to what the next one hits lies their surface.
+bool sees(const float* ranges, std::size_t size, const LaserGeometry& geometry, double at, double range) {
+  const float nearest = ranges[std::lround(at)];
+  if (is_hit(nearest, geometry) && equal(nearest, range)) return true;
+  const auto before = static_cast<std::size_t>(std::max(0.0, std::floor(at)));
+  if (before + 1 >= size || !is_hit(ranges[before], geometry) || !is_hit(ranges[before + 1], geometry)) return false;
+  const double step = std::abs(geometry.angle_increment), passed = step * (at - static_cast<double>(before));
+  const double a = ranges[before], b = ranges[before + 1];
+  return equal(range, a * b * std::sin(step) / (a * std::sin(passed) + b * std::sin(step - passed)));
+}
+
 std::vector<bool> readings_of_small_objects(const Scan& scan, std::size_t size) {
   std::vector<bool> found(size, false);
   for (const Beam& beam : scan.beams) found[beam.index] = beam.on_small_object;
@@ -64,15 +76,16 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     // A robot that drives ahead, or around one that turns, looks as if one stood.
     if (!beam.hit || beam.on_small_object) continue;
     const Point end = to_laser * beam.end;
-    const double off = normalized(std::atan2(end.y, end.x) - middle) / geometry.angle_increment;
-    const auto other = std::lround(off + 0.5 * static_cast<double>(size - 1));
+    const double at =
+        normalized(std::atan2(end.y, end.x) - middle) / geometry.angle_increment + 0.5 * static_cast<double>(size - 1);
+    const auto other = std::lround(at);
     if (other < 0 || other >= static_cast<long>(size)) continue;
     const double then = ranges_[beam.index], expected = std::hypot(end.x, end.y);
     if (hidden(static_cast<long>(beam.index), then) || hidden(other, expected)) continue;
     ++compared;
-    const float now = ranges[beam.index], there = ranges[other];
+    const float now = ranges[beam.index];
     same += is_hit(now, geometry) && equal(now, then);
-    moved += is_hit(there, geometry) && equal(there, expected);
+    moved += sees(ranges, size, geometry, at, expected);
   }
   if (compared >= kLeastBeams && same >= kSame * compared && same - moved >= kClearly * compared) {
     odometry_ = odometry;
