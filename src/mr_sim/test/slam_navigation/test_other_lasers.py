@@ -40,3 +40,9 @@ def test_few_beams_along_a_corridor_do_not_say_that_the_robot_stands() -> None:
     """Where a wall would be seen after a motion was asked from the nearest beam, 5 degrees beside it: next to nothing
     spoke for motion, and a robot with 36 beams lost a metre in a corridor."""
     assert lost_along(36, 8.0, (-30.0, 30.0, -0.9, 1.1)) < 0.05
+
+
+def test_a_wall_that_the_robot_leaves_out_of_reach_does_not_say_that_it_stands() -> None:
+    """A fourth of the piece of a wall that a laser of 2 m shows is out of reach after half a metre along it: that spoke
+    against motion, and the robot was put back by as much."""
+    assert lost_along(360, 2.0, (-30.0, 30.0, -1.85, 30.0)) < 0.05

@@ -81,6 +81,8 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     const auto other = std::lround(at);
     if (other < 0 || other >= static_cast<long>(size)) continue;
     const double then = ranges_[beam.index], expected = std::hypot(end.x, end.y);
+    // What motion takes out of reach says nothing of motion: of a short view that is much of all.
+    if (expected >= geometry.range_max - 1e-3) continue;
     if (hidden(static_cast<long>(beam.index), then) || hidden(other, expected)) continue;
     ++compared;
     const float now = ranges[beam.index];
