@@ -4,6 +4,7 @@ import math
 from typing import Tuple
 
 import numpy as np
+import pytest
 
 from mr_grid import Pose
 from mr_robot.slam.engine import LaserScan, Slam
@@ -46,3 +47,13 @@ def test_a_wall_that_the_robot_leaves_out_of_reach_does_not_say_that_it_stands()
     """A fourth of the piece of a wall that a laser of 2 m shows is out of reach after half a metre along it: that spoke
     against motion, and the robot was put back by as much."""
     assert lost_along(360, 2.0, (-30.0, 30.0, -1.85, 30.0)) < 0.05
+
+
+@pytest.mark.parametrize("beams, reach", [(36, 8.0), (90, 3.5), (360, 2.0)])
+def test_wheels_that_slip_are_seen_by_any_laser(beams: int, reach: float) -> None:
+    """In a closed room all walls were one thing whose ends touch, so a small one, and odometry alone was believed."""
+    slam, random, box = Slam(), np.random.default_rng(1), (-1.5, 1.7, -1.2, 1.6)
+    for step in range(100):
+        odometry = Pose(0.03 * max(0, step - 40), 0.0, 0.0)
+        pose = slam.process(all_around(beams, reach, box, Pose(), random), odometry, 0.1 * step).pose
+    assert odometry.x > 1.5 and math.hypot(pose.x, pose.y) < 0.05

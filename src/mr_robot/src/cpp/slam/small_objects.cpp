@@ -64,9 +64,22 @@ auto& beam_at(Beams& beams, std::size_t index) {
   return beams[index % beams.size()];
 }
 
+// rad, from its first beam to its last one.
+double view_of(const Scan& scan, const Segment& segment) {
+  double view = 0.0;
+  for (std::size_t i = segment.first; i < segment.last; ++i) {
+    const Point &a = beam_at(scan.beams, i).end, &b = beam_at(scan.beams, i + 1).end;
+    const double ax = a.x - scan.eye.x, ay = a.y - scan.eye.y, bx = b.x - scan.eye.x, by = b.y - scan.eye.y;
+    view += std::abs(std::atan2(ax * by - ay * bx, ax * bx + ay * by));
+  }
+  return view;
+}
+
+// What takes up more than half a turn is around the laser, not beside it: walls of a room, near as their ends may be.
 bool is_small(const Scan& scan, const Segment& segment, double size) {
   const Beam &first = scan.beams[segment.first], &last = beam_at(scan.beams, segment.last);
-  return first.hit && std::hypot(first.end.x - last.end.x, first.end.y - last.end.y) < size;
+  return first.hit && std::hypot(first.end.x - last.end.x, first.end.y - last.end.y) < size &&
+         view_of(scan, segment) < M_PI;
 }
 
 // A robot that drives ahead keeps off. What touches holds this one, so it may as well be a wall.
