@@ -3,6 +3,7 @@
 import itertools
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.fast.fast_body import FastBody
 from mr_experiments.host.fast.perfect_merging import PerfectMerger, TeamSight
 from mr_experiments.host.fast.perfect_radio import PerfectRadio
+from mr_experiments.host.fast.wheels import Wheels
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
@@ -48,12 +50,13 @@ def world():
     return world_of(Trial("small8x8", 1, 1))
 
 
-def body_in(world):
-    start = world.pose(0)
+def body_in(world, field_of_view=None, **options):
+    start, ranger = world.pose(0), world.robots[0].rangers[0]
+    ranger = replace(ranger, field_of_view=field_of_view or ranger.field_of_view)
     sight = TeamSight({"robot_0": start})
-    return FastBody(
-        "robot_0", start, world.robots[0].rangers[0], NavigationOptions(), world.visible, sight, Stopwatch()
-    )
+    body = FastBody("robot_0", start, ranger, NavigationOptions(**options), world.visible, sight, Stopwatch())
+    body.look()
+    return body
 
 
 def test_what_is_seen_is_true_and_bounded_by_walls(world):
@@ -67,21 +70,63 @@ def test_what_is_seen_is_true_and_bounded_by_walls(world):
     assert body.new_map(1.0) is None and body.new_map(2.0) is not None
 
 
-def test_goals_end_as_the_action_would_end_them(world):
-    body = body_in(world)
-    ends = []
+def driven(body, goal, steps=100):
+    """Poses after each step of 0.1 s, and how the goal ended."""
+    ends, poses = [], []
     body.on_goal_end = lambda *end: ends.append(end)
-    body.look()
-    seen = body.new_map(0.0)
-    body.set_map(seen)
-    body.set_goal(1, Pose(0.8, 0.1, 1.0), 0.0)
-    before = body.pose
-    for _ in range(100):
+    for step in range(steps):
+        body.look()
+        grid = body.new_map(0.1 * step)
+        if grid is not None:
+            body.set_map(grid)
+        if step == 0:
+            body.set_goal(1, goal, 0.0)
         body.drive(0.1)
+        poses.append(body.pose)
+    return poses, ends
+
+
+def test_goals_end_as_the_action_would_end_them(world):
+    body = body_in(world, yaw_goal_tolerance=0.1)
+    poses, ends = driven(body, Pose(0.8, 0.1, 1.0))
     assert ends == [(1, True, "goal reached")]
-    assert math.dist(body.pose[:2], (0.8, 0.1)) < 0.3 and abs(body.pose[2] - 1.0) < 0.15 and body.pose != before
+    assert math.dist(body.pose[:2], (0.8, 0.1)) < 0.3 and abs(body.pose[2] - 1.0) < 0.15 and body.pose != poses[0]
     body.set_goal(2, Pose(500.0, 0.0, 0.0), 10.0)
     assert ends[-1] == (2, False, "there is no way")
+
+
+def test_any_heading_will_do_where_it_does_for_navigation(world):
+    poses, ends = driven(body_in(world), Pose(0.8, 0.0, math.pi))
+    assert ends == [(1, True, "goal reached")] and abs(poses[-1].yaw) < 0.5
+
+
+def test_robot_that_sees_little_looks_around_before_it_drives(world):
+    poses, _ = driven(body_in(world, field_of_view=1.0), Pose(0.8, 0.0, 0.0))
+    first = next(index for index, pose in enumerate(poses) if math.dist(pose[:2], (0.0, 0.0)) > 0.05)
+    assert max(pose.yaw for pose in poses[:first]) > 2.0 * math.pi - 0.1
+    others = (
+        driven(body_in(world), Pose(0.8, 0.0, 0.0)),
+        driven(body_in(world, 1.0, look_around=False), Pose(0.8, 0.0, 0.0)),
+    )
+    assert all(max(pose.yaw for pose in poses) < 0.5 for poses, _ in others)
+
+
+def test_wheels_keep_to_what_the_drive_can_do():
+    options = NavigationOptions()
+    wheels = Wheels(options)
+    yaw, before, last = 0.0, (0.0, 0.0), 0.0
+    for step in range(60):
+        off = math.remainder(2.5 - yaw, 2.0 * math.pi)
+        wheels.towards(off, 0.1) if step < 40 else wheels.brake(0.1)
+        (speed, turn), (former_speed, former_turn) = wheels.velocity, before
+        assert abs(speed - former_speed) <= 0.1 * options.linear_acceleration + 1e-9
+        assert abs(turn - former_turn) <= 0.1 * options.angular_acceleration + 1e-9
+        assert 0.0 <= speed <= options.max_linear_velocity and abs(turn) <= options.max_angular_velocity
+        assert speed == 0.0 or last > 0.0 or abs(off) < math.pi / 2.0  # it drives no way back
+        yaw, before, last = yaw + 0.1 * turn, wheels.velocity, speed
+        if step == 39:
+            assert speed == options.max_linear_velocity and yaw == pytest.approx(2.5, abs=0.05)
+    assert wheels.velocity == (0.0, 0.0)
 
 
 class Ear:

@@ -10,10 +10,13 @@ import numpy as np
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.body import GoalEnd
 from mr_experiments.host.fast.perfect_merging import TeamSight
+from mr_experiments.host.fast.wheels import Wheels
 from mr_grid import OccupancyGrid, Pose
 from mr_measures.true_map import TrueMap
+from mr_robot.navigation.look_around import RATE
 from mr_robot.navigation.options import NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, path, plan
+from mr_robot.platforms.parameters import NARROW_VIEW
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim import _world
 from mr_sim.raster import Grid as Raster
@@ -23,13 +26,10 @@ from mr_sim.world_description import RangerDescription
 BEAMS = 181  # that bound the visible area
 BEHIND = 0.08  # m behind where a beam ends that are seen, which is the wall itself
 LOOK_AHEAD = 0.35  # m of the path that the robot aims at
-STRAIGHT = 0.6  # rad off its way up to which a robot drives while it turns
-SEARCH_RADIUS = 0.3  # m around a goal in which a free place will do
-YAW_TOLERANCE = 0.1  # rad
 
 
 class FastBody:
-    """Moves along planned paths at full speed; knows what it has seen exactly. Robots do not touch each other."""
+    """Moves along planned paths as its drive lets it, and knows what it has seen exactly. Robots touch no other."""
 
     def __init__(
         self, name: str, start: Pose, ranger: RangerDescription, navigation: NavigationOptions, walls: Raster,
@@ -38,7 +38,9 @@ class FastBody:
         """`start`: world frame; `walls`: the true ones."""
         self.options = navigation
         self.pose = Pose()  # map frame
-        self.velocity = (0.0, 0.0)  # m/s, rad/s
+        self._wheels = Wheels(navigation)
+        # rad still to turn before the first goal; see navigation's LookAround.
+        self._look_around = 2.0 * math.pi if navigation.look_around and ranger.field_of_view < NARROW_VIEW else 0.0
         self.on_goal_end: GoalEnd = lambda *_: None
         self._name, self._start, self._ranger, self._sight, self._stopwatch = name, start, ranger, sight, stopwatch
         self._raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
@@ -55,6 +57,11 @@ class FastBody:
     def true_pose(self) -> Pose:
         """World frame."""
         return self._start.compose(self.pose)
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """m/s, rad/s."""
+        return self._wheels.velocity
 
     def look(self) -> None:
         """Adds the area visible from here to the map."""
@@ -81,27 +88,41 @@ class FastBody:
 
     def drive(self, seconds: float) -> None:
         """Moves on."""
-        x, y, yaw = self.pose
-        self.velocity = (0.0, 0.0)
         if self._goal is None:
-            return
+            self._wheels.brake(seconds)
+        elif self._look_around > 0.0:
+            self._turn_around(seconds)
+        else:
+            self._follow(self._goal[1], seconds)
+        (speed, turn), (x, y, yaw) = self.velocity, self.pose
+        if speed or turn:
+            middle = yaw + 0.5 * turn * seconds
+            way = speed * seconds
+            self.pose = Pose(x + way * math.cos(middle), y + way * math.sin(middle), yaw + turn * seconds)
+
+    def _turn_around(self, seconds: float) -> None:
+        """Before the first goal, whether or not there is a way yet."""
+        self._wheels.turn(self._look_around, seconds, RATE)
+        self._look_around -= self.velocity[1] * seconds
+        if self._look_around <= 0.0:
+            self._plan()
+
+    def _follow(self, goal: Pose, seconds: float) -> None:
+        """Sets the velocity of a robot on its way; ends the goal where it is reached."""
+        x, y, yaw = self.pose
         while len(self._path) > 1 and math.dist(self._path[0], (x, y)) < LOOK_AHEAD:
             self._path.pop(0)
-        at_end = len(self._path) <= 1 and (not self._path or math.dist(self._path[0], (x, y)) < 0.05)
-        ahead = self._goal[1][2] if at_end else math.atan2(self._path[0][1] - y, self._path[0][0] - x)
-        error = math.remainder(ahead - yaw, 2.0 * math.pi)
-        if at_end and abs(error) < YAW_TOLERANCE:
-            self._end(True, "goal reached")
+        end = self._path[-1] if self._path else (x, y)
+        if math.dist(end, (x, y)) >= self.options.xy_goal_tolerance:
+            ahead = math.atan2(self._path[0][1] - y, self._path[0][0] - x)
+            self._wheels.towards(math.remainder(ahead - yaw, 2.0 * math.pi), seconds)
             return
-        turn = max(-1.0, min(1.0, error / (self.options.max_angular_velocity * seconds)))
-        turn *= self.options.max_angular_velocity
-        speed = 0.0
-        if not at_end and abs(error) < STRAIGHT:
-            left = math.dist(self._path[0], (x, y)) if len(self._path) == 1 else math.inf
-            speed = min(self.options.max_linear_velocity, left / seconds)
-        yaw += turn * seconds
-        self.pose = Pose(x + speed * seconds * math.cos(yaw), y + speed * seconds * math.sin(yaw), yaw)
-        self.velocity = (speed, turn)
+        off = math.remainder(goal[2] - yaw, 2.0 * math.pi)
+        if abs(off) <= self.options.yaw_goal_tolerance:
+            self._wheels.brake(seconds)
+            self._end(True, "goal reached")
+        else:
+            self._wheels.turn(off, seconds)
 
     def set_map(self, grid: OccupancyGrid) -> None:
         with self._stopwatch.span("navigation"):
@@ -122,7 +143,10 @@ class FastBody:
     def _plan(self) -> None:
         if self._goal is None or self._costs is None:
             return
-        self._way = plan(self._costs, np.empty((0, 2)), self.pose, self._goal[1][:2], SEARCH_RADIUS, self._way)
+        goal, radius = self._goal[1][:2], self.options.goal_search_radius
+        self._way = plan(self._costs, np.empty((0, 2)), self.pose, goal, radius, self._way)
+        if self._way is None and self._look_around > 0.0:
+            return
         if self._way is None:
             self._end(False, "there is no way")
             return
