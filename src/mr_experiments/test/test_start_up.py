@@ -66,7 +66,10 @@ def test_robot_that_dies_while_its_nodes_come_up_stays_dead():
     assert not mission.robots[1].senses and not mission.robots[1].running
 
 
-def test_nothing_waits_where_only_the_strategy_is_asked_for():
+def test_teams_with_perfect_maps_come_up_as_the_others():
+    """Else the decisions of all robots would fall into the same moments."""
     mission = Mission(Trial("small8x8", 2, 1, limit=5.0, fast=True))
-    mission.run(until=0.5)
-    assert mission.begun_at is not None and mission.begun_at < 1.0
+    start_up = StartUp.of_team(2, 1)
+    mission.run(until=1.0)
+    ready = mission.begun_at - start_up.order
+    assert max(start_up.nodes) <= ready <= max(start_up.nodes) + 1.0

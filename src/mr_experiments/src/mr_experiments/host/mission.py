@@ -55,7 +55,7 @@ class Mission:
         self.now = 0.0
         self.begun_at: float | None = None
         self._switched_on = False
-        self._start_up = StartUp.at_once(trial.robots) if trial.fast else StartUp.of_team(trial.robots, trial.seed)
+        self._start_up = StartUp.of_team(trial.robots, trial.seed)
         self._ordered = False
         visible = self.world.visible
         walls = Walls(visible.cells, visible.resolution, visible.origin)
@@ -176,7 +176,7 @@ class Mission:
         for robot, state in zip(self.robots, states):
             assert isinstance(robot.body, FastBody)
             speed, turn = 0.0, 0.0
-            if robot.running:
+            if robot.senses:
                 robot.on_view()
                 self.recorder.on_pose(robot.index, robot.body.true_pose)
                 speed, turn = robot.body.velocity
@@ -258,7 +258,8 @@ class Mission:
 
 
 def _start_poses(trial: Trial, world: World) -> list[Pose]:
-    """World frame. Nothing but these depends on the seed where sensors, motion and radio are perfect."""
+    """World frame. Beside the start-up nothing but these depends on the seed where sensors, motion and radio are
+    perfect."""
     poses = [world.pose(i) for i in range(trial.robots)]
     if not trial.fast:
         return poses

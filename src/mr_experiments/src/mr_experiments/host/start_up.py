@@ -27,7 +27,3 @@ class StartUp:
         sensing = generator.uniform(*SENSING, robots)
         nodes = sensing + generator.uniform(*NODES, robots)
         return cls(tuple(sensing.tolist()), tuple(nodes.tolist()), float(generator.uniform(*ORDER)))
-
-    @classmethod
-    def at_once(cls, robots: int) -> StartUp:
-        return cls((0.0,) * robots, (0.0,) * robots, 0.0)
