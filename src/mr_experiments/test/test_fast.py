@@ -8,11 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from map_merger.exchange import bounds
+from map_merger.options import Options as MergerOptions
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.fast.fast_body import FastBody
-from mr_experiments.host.fast.perfect_merging import PerfectMerger, TeamSight
+from mr_experiments.host.fast.perfect_merging import PerfectMerger
 from mr_experiments.host.fast.perfect_radio import PerfectRadio
+from mr_experiments.host.fast.team_sight import TeamSight
 from mr_experiments.host.fast.wheels import Wheels
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial
@@ -185,39 +188,113 @@ def known_cells(published):
     return int((published.grid.cells >= 0).sum())
 
 
-def test_perfect_merger_knows_what_those_have_seen_who_were_on_the_radio(world):
-    starts = {"robot_0": Pose(2.0, 2.0, 0.5), "robot_1": Pose(5.0, 6.0, -2.0)}
-    sight, agenda, published = TeamSight(starts), Agenda(), Published()
-    merger = PerfectMerger(
-        "robot_0",
-        TrueMap(occupancy_of(world.visible), starts["robot_0"]),
-        sight,
-        agenda,
-        Stopwatch(),
-        published,
-        lambda: 0.0,
-    )
-    merger.start(0.0)
-    own, other = (np.array([[x, 2.0], [x + 1.0, 2.0], [x + 1.0, 3.0], [x, 3.0]]) for x in (2.0, 5.0))
-    sight.add("robot_0", own, Pose(2.0, 2.0, 0.5))
-    sight.add("robot_1", other, Pose(5.0, 7.0, -2.0))
-    merger.on_local_map(OccupancyGrid.of(np.zeros((1, 1), dtype=np.int8), 0.1))
-    alone = known_cells(published)
+def square(x, y, edge=1.0):
+    return np.array([[x, y], [x + edge, y], [x + edge, y + edge], [x, y + edge]])
+
+
+class Pair:
+    """Two robots in small8x8, which take their local maps every 2 s; robot_0 hears robot_1."""
+
+    def __init__(self, world, **options):
+        self.starts = {"robot_0": Pose(2.0, 2.0, 0.5), "robot_1": Pose(5.0, 6.0, -2.0)}
+        self.sight, self.agenda = TeamSight(self.starts), Agenda()
+        self.published, self.now, self.mapped_at = Published(), 0.0, 0.0
+        self.mergers = [self._merger(world, name, options) for name in self.starts]
+        self.own = square(2.0, 2.0)
+        self.sight.add("robot_0", self.own, self.starts["robot_0"])
+        for merger in self.mergers:
+            merger.start(0.0)
+        self.mergers[0].on_robot("robot_1")
+
+    def _merger(self, world, name, options):
+        published = self.published if name == "robot_0" else Published()
+        given = MergerOptions(name, seconds_send_timer=2, seconds_pub_timer=2, seconds_send_position=1, **options)
+        return PerfectMerger(given, TrueMap(occupancy_of(world.visible), self.starts[name]), self.sight, self.agenda,
+                             Stopwatch(), published, lambda: self.now)  # fmt: skip
+
+    def run(self, until):
+        while self.mapped_at <= until:
+            self._run_to(self.mapped_at)
+            for merger in self.mergers:
+                merger.on_local_map(OccupancyGrid.of(np.zeros((30, 30), dtype=np.int8), 0.1))
+            self.mapped_at += 2.0
+        self._run_to(until)
+
+    def _run_to(self, now):
+        self.now = now
+        self.agenda.run_due(now)
+
+
+def test_maps_are_drawn_when_they_have_been_told_and_placed(world):
+    pair = Pair(world)
+    pair.run(1.0)
+    alone = known_cells(pair.published)
     assert alone == pytest.approx(100, rel=0.3)  # a square metre
+    pair.sight.add("robot_1", square(5.0, 2.0), Pose(5.0, 7.0, -2.0))
+    pair.run(10.0)
+    merger = pair.mergers[0]
+    assert pair.sight.told["robot_1"] == 1
+    # Nothing tells where the other map lies.
+    assert known_cells(pair.published) == alone and pair.published.positions == {}
     assert merger.transforms() == {} and merger.transform_point("robot_1", (0.0, 0.0)) is None
 
-    merger.on_robot("robot_1")
-    merger.on_local_map(OccupancyGrid.of(np.zeros((1, 1), dtype=np.int8), 0.1))
-    assert known_cells(published) == pytest.approx(2 * alone, rel=0.15)
-    expected = starts["robot_0"].between(starts["robot_1"].compose(Pose(1.0, 0.0, 0.0)))
+    pair.sight.link("robot_0", "robot_1")
+    pair.run(14.0)
+    assert known_cells(pair.published) == pytest.approx(2 * alone, rel=0.15)
+    expected = pair.starts["robot_0"].between(pair.starts["robot_1"].compose(Pose(1.0, 0.0, 0.0)))
     assert merger.transform_point("robot_1", (1.0, 0.0)) == pytest.approx(expected[:2])
-    agenda.run_due(0.0)
-    assert published.positions["robot_1"] == pytest.approx(starts["robot_0"].inverse().apply_point(5.0, 7.0))
+    assert set(merger.transforms()) == {"robot_1"}
+    seen_from_start = pair.starts["robot_0"].inverse().apply_point(5.0, 7.0)
+    assert pair.published.positions["robot_1"] == pytest.approx(seen_from_start)
 
     merger.on_robot_lost("robot_1")
-    merger.on_local_map(OccupancyGrid.of(np.zeros((1, 1), dtype=np.int8), 0.1))
-    agenda.run_due(1.0)
-    assert known_cells(published) > 1.8 * alone and published.positions == {}
+    pair.run(16.0)
+    assert known_cells(pair.published) > 1.8 * alone and pair.published.positions == {}
+
+
+def test_changes_are_held_back_as_by_map_merger(world):
+    pair = Pair(world)
+    pair.run(2.0)
+    assert pair.sight.told["robot_0"] == 1
+    pair.sight.add("robot_0", square(3.0, 2.0), Pose())
+    pair.run(bounds.MARGINAL_HELD_S + 4.0)
+    assert pair.sight.told["robot_0"] == 1  # no cell of the local map has changed since
+
+
+def everything(world):
+    return square(0.0, 0.0, 8.0)
+
+
+@pytest.mark.parametrize(("drives", "given"), [(False, False), (True, False), (False, True)])
+def test_shared_walls_place_robots_sooner_when_they_have_met_or_been_told(world, drives, given):
+    poses = {"initial_poses": {"robot_0": Pose(2.0, 2.0, 0.5), "robot_1": Pose(5.0, 6.0, -2.0)}} if given else {}
+    pair = Pair(world, **poses)
+    corner = square(-1.0, -1.0, 6.0)  # shows some 10 m of wall, more than a robot that has met another one needs
+    pair.sight.add("robot_0", corner, Pose(2.0, 2.0, 0.5))
+    for second in range(8):
+        pair.sight.add("robot_1", corner, Pose(3.0 + 0.2 * drives * second, 3.0, -2.0))
+        pair.run(float(second))
+        pair.mergers[0].on_pose(0.0, 0.0, 0.0)
+    assert bool(pair.mergers[0].transforms()) == (drives or given)
+
+
+def test_much_wall_places_robots_that_have_not_met(world):
+    pair = Pair(world)
+    for robot in pair.starts:
+        pair.sight.add(robot, everything(world), pair.starts[robot])
+    pair.run(4.2)
+    assert not pair.mergers[0].transforms()
+    pair.run(4.4)
+    assert set(pair.mergers[0].transforms()) == {"robot_1"}
+
+
+def test_transforms_chain():
+    sight = TeamSight({})
+    sight.link("a", "b")
+    sight.link("c", "d")
+    assert sight.linked("a") == {"a", "b"} and sight.linked("e") == {"e"}
+    sight.link("b", "c")
+    assert sight.linked("a") == sight.linked("d") == {"a", "b", "c", "d"}
 
 
 def test_stopwatch_counts_an_inner_span_once_and_in_processor_time():

@@ -27,6 +27,10 @@ class TrueMap:
         cells = (self._start.apply_inverse(area) - self._origin) / RESOLUTION
         cv2.fillPoly(seen, [np.floor(cells).astype(np.int32)], 1)
 
+    def wall_length(self, seen: np.ndarray) -> float:
+        """m of wall that a mask shows."""
+        return int(np.count_nonzero(self._cells[seen > 0])) * RESOLUTION
+
     def known(self, seen: np.ndarray) -> OccupancyGrid:
         """The map of someone who has seen that much: its bounding box."""
         left, low, width, height = cv2.boundingRect(seen)

@@ -17,8 +17,8 @@ from mr_experiments.host.base_station import BaseStation
 from mr_experiments.host.body import Body
 from mr_experiments.host.exploring import TICK
 from mr_experiments.host.fast.fast_body import FastBody
-from mr_experiments.host.fast.perfect_merging import TeamSight
 from mr_experiments.host.fast.perfect_radio import PerfectRadio
+from mr_experiments.host.fast.team_sight import TeamSight
 from mr_experiments.host.parameters import Member, explorer_options, merger_options, navigation_options, slam_options
 from mr_experiments.host.radio import EVERYWHERE, Radio, TeamRadio, Walls
 from mr_experiments.host.recorder import Recorder

@@ -15,7 +15,8 @@ from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.body import Body
 from mr_experiments.host.exploring import Explorer
 from mr_experiments.host.fast.fast_body import FastBody
-from mr_experiments.host.fast.perfect_merging import PerfectMerger, TeamSight
+from mr_experiments.host.fast.perfect_merging import PerfectMerger
+from mr_experiments.host.fast.team_sight import TeamSight
 from mr_experiments.host.merging import Merger
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot_radio import RobotRadio
@@ -58,7 +59,7 @@ class Robot:
         boot: Boot = (seed % 2**31, index + 1)
         self.merger: Merger | PerfectMerger
         if isinstance(body, FastBody):
-            self.merger = PerfectMerger(self.name, body.true_map, sight, agenda, stopwatch, self, clock)
+            self.merger = PerfectMerger(merger, body.true_map, sight, agenda, stopwatch, self, clock)
         else:
             self.merger = Merger(merger, boot, agenda, self.own_radio, stopwatch, self, clock)
         self.explorer = Explorer(explorer, agenda, self.own_radio, stopwatch, self, clock, tick)

@@ -9,7 +9,7 @@ import numpy as np
 
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.body import GoalEnd
-from mr_experiments.host.fast.perfect_merging import TeamSight
+from mr_experiments.host.fast.team_sight import TeamSight
 from mr_experiments.host.fast.wheels import Wheels
 from mr_grid import OccupancyGrid, Pose
 from mr_measures.true_map import TrueMap
