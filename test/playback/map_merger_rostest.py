@@ -29,7 +29,9 @@ class MapMerger(unittest.TestCase):
         grid, transform = expected["map_merger/global_map"][-1], expected["tf"][-1]["transforms"][0]["transform"]
         maps, transforms = Listener("map_merger/global_map", OccupancyGrid), Listener("tf", TFMessage)
         with played("map_merger.bag", "--rate=4"):
-            self.wait_for("transform", transforms, lambda message: differences_of_transform(transform, message), has_child)
+            self.wait_for(
+                "transform", transforms, lambda message: differences_of_transform(transform, message), has_child
+            )
             self.wait_for("merged map", maps, lambda message: differences_of_map(grid, plain(message)))
             lines = list(differences_of_points(transform))
         if lines:
