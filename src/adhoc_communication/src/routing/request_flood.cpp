@@ -72,8 +72,9 @@ void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& n
   if (seen == seen_.end()) return;  // it had to make room
   if (load_.heavy(now)) return;
   std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
+  const Holders holders = holders_of(seen->second, neighbors);
   const auto is_needless = [&](const MacAddress& neighbor) {
-    return ends_at(request, neighbor) || silent_with_it(neighbor, holders_of(seen->second, neighbors), neighbors, now);
+    return ends_at(request, neighbor) || silent_with_it(neighbor, holders, neighbors, now);
   };
   needy.erase(std::remove_if(needy.begin(), needy.end(), is_needless), needy.end());
   const std::size_t copies = std::min(needy.size(), kMostConfirmations);

@@ -125,6 +125,15 @@ class FakeAdhoc:
                 assert remaining > 0.0, f"not sent; recorded: {[record[:3] for record in self.sent]}"
                 self._news.wait(remaining)
 
+    def wait_for_anchor(self, accept):
+        """The first anchor that was sent and that `accept` takes; AssertionError if none comes."""
+        record = self.wait_for(
+            lambda service, to, topic, message: (
+                (service, topic) == ("map", "map_meta_other") and accept(ros_io.anchor_of(message))
+            )
+        )
+        return ros_io.anchor_of(record[3])
+
     def forget(self):
         """Drops the records."""
         with self._news:

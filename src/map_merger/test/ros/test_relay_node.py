@@ -12,7 +12,6 @@ import tf2_ros
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 
-from map_merger import ros_io
 from map_merger.kept_run import SKIPPED
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -75,21 +74,13 @@ class RelayTest(unittest.TestCase):
     def start_slam():
         return subprocess.Popen([sys.executable, "-c", SLAM, os.path.dirname(os.path.abspath(__file__))])
 
-    def anchor(self, accept):
-        record = self.adhoc.wait_for(
-            lambda service, to, topic, message: (
-                (service, topic) == ("map", "map_meta_other") and accept(ros_io.anchor_of(message))
-            )
-        )
-        return ros_io.anchor_of(record[3])
-
     def test_the_run_is_another_one(self):
-        former = self.anchor(lambda anchor: anchor.updates > 0)
+        former = self.adhoc.wait_for_anchor(lambda anchor: anchor.updates > 0)
         self.wait(lambda: rospy.get_param("/map_merger_run", {}).get("teller"), "tf did not say who SLAM is")
         self.slam.kill()
         self.slam.wait()
         type(self).slam = self.start_slam()
-        other = self.anchor(lambda anchor: anchor.boot != former.boot)
+        other = self.adhoc.wait_for_anchor(lambda anchor: anchor.boot != former.boot)
         self.assertLess(other.updates, SKIPPED)
         self.wait(lambda: {former.boot, other.boot} <= self.runs(), "the global map did not name its run")
 

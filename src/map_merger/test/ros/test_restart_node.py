@@ -11,7 +11,6 @@ import rosgraph
 import rospy
 import rostest
 
-from map_merger import ros_io
 from map_merger.kept_run import SKIPPED
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -47,30 +46,21 @@ class RestartTest(unittest.TestCase):
     def start_slam():
         return subprocess.Popen([sys.executable, "-c", SLAM, os.path.dirname(os.path.abspath(__file__))])
 
-    def anchor(self, accept=lambda anchor: True):
-        """The first anchor of those told since `forget` that `accept` takes."""
-        record = self.adhoc.wait_for(
-            lambda service, to, topic, message: (
-                (service, topic) == ("map", "map_meta_other") and accept(ros_io.anchor_of(message))
-            )
-        )
-        return ros_io.anchor_of(record[3])
-
     def test_1_a_node_that_is_started_anew_goes_on_with_its_run(self):
-        first = self.anchor(lambda anchor: anchor.updates > 0)
+        first = self.adhoc.wait_for_anchor(lambda anchor: anchor.updates > 0)
         self.wait_until_kept(first.updates)
         master = rosgraph.Master("/test_restart")
         os.kill(self.pid_of(master), signal.SIGKILL)
-        again = self.anchor(lambda anchor: anchor.updates > SKIPPED)
+        again = self.adhoc.wait_for_anchor(lambda anchor: anchor.updates > SKIPPED)
         self.assertEqual(again.boot, first.boot)
         self.assertEqual(again.info, first.info)
 
     def test_2_where_slam_is_started_anew_the_run_is_another_one(self):
-        former = self.anchor(lambda anchor: anchor.updates > SKIPPED)
+        former = self.adhoc.wait_for_anchor(lambda anchor: anchor.updates > SKIPPED)
         self.slam.kill()
         self.slam.wait()
         type(self).slam = self.start_slam()
-        other = self.anchor(lambda anchor: anchor.boot != former.boot)
+        other = self.adhoc.wait_for_anchor(lambda anchor: anchor.boot != former.boot)
         self.assertLess(other.updates, SKIPPED)
 
     @staticmethod
