@@ -22,7 +22,9 @@ inline Cost link_cost(double loss) {
 
 inline Cost sum(Cost a, Cost b) { return static_cast<Cost>(std::min<int>(a + b, 0xffff)); }
 
+constexpr Cost kCheapestDetour = 2 * kPerfectHop;
+
 /// No way round is cheaper than such a link.
-inline bool is_unbeatable(Cost link) { return link <= 2 * kPerfectHop; }
+inline bool is_unbeatable(Cost link) { return link <= kCheapestDetour; }
 
 }  // namespace adhoc_communication::routing

@@ -19,6 +19,7 @@ RouteDiscovery::RouteDiscovery(const EngineOptions& options, Random& random)
 
 void RouteDiscovery::search(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now) {
   if (searching(target)) return;
+  end_exchange(target);
   if (searches_.size() >= kMostSearches) {
     failures_.push_back({target, Time(0), false});
     return;
@@ -31,10 +32,29 @@ void RouteDiscovery::search(const Target& target, std::uint8_t last_hops, std::u
 }
 
 bool RouteDiscovery::repair(const MacAddress& destination, int hop_limit, Time now) {
+  return once(destination, hop_limit, {}, now);
+}
+
+bool RouteDiscovery::exchange(const MacAddress& destination, std::uint32_t sequence, int hop_limit, Time now) {
+  return searches_.count(key({destination, {}})) == 0 && once(destination, hop_limit, sequence, now);
+}
+
+bool RouteDiscovery::once(const MacAddress& destination, int hop_limit, std::optional<std::uint32_t> newer_than,
+                          Time now) {
   const Target target{destination, {}};
   if (searching(target) || searches_.size() >= kMostSearches || rate_limit_.free_at(now) > now) return false;
-  searches_.emplace(key(target), Search{target, now, now, std::min(hop_limit, last_ring_), 0, true});
+  end_exchange(target);
+  Search search{target, now, now, std::min(hop_limit, last_ring_), 0, !newer_than};
+  search.newer_than = newer_than;
+  searches_.emplace(key(target), search);
   return true;
+}
+
+void RouteDiscovery::end_exchange(const Target& target) {
+  const auto found = searches_.find(key(target));
+  if (found == searches_.end() || !found->second.newer_than) return;
+  end(found->second);
+  searches_.erase(found);
 }
 
 std::vector<RouteDiscovery::Step> RouteDiscovery::poll(const std::function<std::uint8_t(const Target&)>& told_hops,
@@ -48,15 +68,15 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(const std::function<std::
       steps.push_back(directed(search, now));
       ++iterator;
     } else if (!advance(search, now)) {
-      const bool patient = !search.repair && now - search.started < kPatience;
+      const bool patient = !search.repair && !search.newer_than && now - search.started < kPatience;
       search.told_hops = patient ? told_hops(search.target) : std::uint8_t{0};
       if (search.told_hops > 0) continue;
-      failures_.push_back({search.target, now - search.started, search.repair});
+      if (!search.newer_than) failures_.push_back({search.target, now - search.started, search.repair});
       end(search);
       iterator = searches_.erase(iterator);
     } else {
       if (search.due > now) {
-        steps.push_back({search.target, static_cast<std::uint8_t>(search.hop_limit), search.repair});
+        steps.push_back({search.target, static_cast<std::uint8_t>(search.hop_limit), false, search.newer_than});
       } else {
         search.due = rate_limit_.free_at(now);
       }
@@ -83,13 +103,14 @@ void RouteDiscovery::replied(const Target& target) {
 RouteDiscovery::Step RouteDiscovery::directed(Search& search, Time now) const {
   const int hops = std::exchange(search.told_hops, std::uint8_t{0}) + kDetour;
   search.due = now + kDirectedPatience * timings_.ring_traversal_time(hops);
-  return {search.target, static_cast<std::uint8_t>(std::min(hops, timings_.net_diameter)), false, true};
+  return {search.target, static_cast<std::uint8_t>(std::min(hops, timings_.net_diameter)), true};
 }
 
 /// Takes the next try if the rate limit lets it, and sets when to look again. False when all tries are used up.
 bool RouteDiscovery::advance(Search& search, Time now) {
-  if (search.repair && search.tries > 0) return false;
-  const bool last = !search.repair && is_last_ring(search.hop_limit);
+  const bool only_once = search.repair || search.newer_than;
+  if (only_once && search.tries > 0) return false;
+  const bool last = !only_once && is_last_ring(search.hop_limit);
   const int most_tries = tries_per_ring_ + (last ? timings_.request_retries : 0);
   if (search.tries >= most_tries) {
     if (last) return false;
@@ -102,7 +123,7 @@ bool RouteDiscovery::advance(Search& search, Time now) {
   const Time wait = last ? timings_.route_request_wait * (1 << std::min(search.tries, 10))
                          : timings_.ring_traversal_time(search.hop_limit);
   ++search.tries;
-  const bool another_follows = !search.repair && !(last && search.tries >= most_tries);
+  const bool another_follows = !only_once && !(last && search.tries >= most_tries);
   const Time jitter = another_follows ? random_.delay(wait / kJitterShare) : Time(0);
   search.due = now - std::exchange(search.late, jitter) + wait + jitter;
   return true;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,8 +44,8 @@ class RouteDiscovery {
   struct Step {
     Target target;
     std::uint8_t hop_limit;
-    bool repair;
-    bool directed = false;  ///< by way of those who told of the target
+    bool directed = false;                         ///< by way of those who told of the target
+    std::optional<std::uint32_t> newer_than = {};  ///< only a route with a newer number will do
   };
 
   /// A search that has succeeded or failed.
@@ -64,6 +65,10 @@ class RouteDiscovery {
   void search(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now);
   /// Section 6.12: one request, a little farther than the destination was. False unless that can be tried.
   bool repair(const MacAddress& destination, int hop_limit, Time now);
+  /// For a route of that number, which works: one request for a newer one. It ends without a word if there is none, and
+  /// gives way to a search or a repair. False unless that can be tried.
+  bool exchange(const MacAddress& destination, std::uint32_t sequence, int hop_limit, Time now);
+  /// `found(target, newer_than)`: there is a route, with a newer number if one is given.
   template <typename Predicate>
   void finish_if(Predicate found);
 
@@ -77,7 +82,11 @@ class RouteDiscovery {
   std::vector<Ended> take_ended() { return std::exchange(ended_, {}); }
   Time next_deadline() const;
   std::size_t searches() const { return searches_.size(); }
-  bool searching(const Target& target) const { return searches_.count(key(target)) != 0; }
+  /// An exchange is none: there is a route.
+  bool searching(const Target& target) const {
+    const auto found = searches_.find(key(target));
+    return found != searches_.end() && !found->second.newer_than;
+  }
 
  private:
   struct Search {
@@ -87,7 +96,8 @@ class RouteDiscovery {
     int hop_limit = 0;
     int tries = 0;  ///< at this hop limit
     bool repair = false;
-    std::uint8_t told_hops = 0;  ///< of the way to be tried first
+    std::uint8_t told_hops = 0;                    ///< of the way to be tried first
+    std::optional<std::uint32_t> newer_than = {};  ///< an exchange, of a route with that number
     int requests = 0;
     int replies = 0;
     std::uint32_t last_request = 0;
@@ -99,6 +109,8 @@ class RouteDiscovery {
   void end(const Search& search) {
     ended_.push_back({search.target, search.started, search.requests, search.replies, search.last_request});
   }
+  bool once(const MacAddress& destination, int hop_limit, std::optional<std::uint32_t> newer_than, Time now);
+  void end_exchange(const Target& target);
   bool advance(Search& search, Time now);
   Step directed(Search& search, Time now) const;
   int next_ring(int hop_limit) const;
@@ -119,7 +131,7 @@ class RouteDiscovery {
 template <typename Predicate>
 void RouteDiscovery::finish_if(Predicate found) {
   for (auto iterator = searches_.begin(); iterator != searches_.end();) {
-    const bool ends = found(iterator->second.target);
+    const bool ends = found(iterator->second.target, iterator->second.newer_than);
     if (ends) end(iterator->second);
     iterator = ends ? searches_.erase(iterator) : std::next(iterator);
   }

@@ -26,7 +26,7 @@ void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) 
   if (reply.originator == self_.address && better_one_known(reply, now)) return;
   const Time life = std::chrono::milliseconds(std::min(reply.lifetime_ms, kLongestLifetime_ms));
   const bool updated = routes_.update({reply.destination, reply.destination_boot, reply.destination_sequence,
-                                       reply.hop_count, reply.cost, from, now + life});
+                                       reply.hop_count, reply.cost, from, now + life, neighbors_.cost(from)});
   if (updated)
     directory_.learn(reply.destination, reply.destination_name, reply.destination_boot, reply.hop_count, now);
   if (reply.originator == self_.address) return finish_searches(now);
@@ -37,7 +37,8 @@ void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) 
 /// somebody answered for; not to take an offer never closes a loop.
 bool Router::better_one_known(const wire::RouteReply& reply, Time now) const {
   const Route* route = routes_.usable(reply.destination, now);
-  return route != nullptr && route->boot == reply.destination_boot && 3 * route->cost < 2 * reply.cost;
+  if (route == nullptr || route->boot != reply.destination_boot) return false;
+  return 3 * cost_over(*route, neighbors_.cost(route->next_hop)) < 2 * reply.cost;
 }
 
 /// Section 6.7: when the route was created or updated. A hello may have brought the same news before, so a reply that

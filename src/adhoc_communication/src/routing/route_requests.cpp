@@ -18,7 +18,7 @@ void Router::send_request(const RouteDiscovery::Step& step, Time now) {
   request.destination_name = step.target.name;
   const Route* former = routes_.find(step.target.address);
   request.unknown_sequence_number = former == nullptr || !former->sequence_valid;
-  if (!request.unknown_sequence_number) request.destination_sequence = former->sequence;
+  if (!request.unknown_sequence_number) request.destination_sequence = former->sequence + (step.newer_than ? 1 : 0);
   request.originator = self_.address;
   request.originator_sequence = ++own_sequence_;  // section 6.1: immediately before a discovery
   request.originator_boot = self_.boot;
@@ -41,8 +41,9 @@ void Router::on_request(const MacAddress& from, wire::RouteRequest request, Time
   ++request.hop_count;
   request.cost = sum(request.cost, neighbors_.cost(from));
   const Time reverse_life = 2 * timings_.net_traversal_time() - 2 * request.hop_count * timings_.node_traversal_time;
-  const bool better = routes_.update({request.originator, request.originator_boot, request.originator_sequence,
-                                      request.hop_count, request.cost, from, now + reverse_life});
+  const bool better =
+      routes_.update({request.originator, request.originator_boot, request.originator_sequence, request.hop_count,
+                      request.cost, from, now + reverse_life, neighbors_.cost(from)});
   // A later copy counts only if it came a cheaper way.
   if (is_destination(request)) record_arrival(request, from, first || better, now);
   if (!first && !better) return;

@@ -6,6 +6,12 @@
 
 namespace adhoc_communication::routing {
 
+namespace {
+
+constexpr Cost kHealthy = 3 * kPerfectHop / 2;  ///< of a link: it has recovered
+
+}  // namespace
+
 const Route* RouteTable::find(const MacAddress& destination) const {
   const auto found = routes_.find(destination);
   return found == routes_.end() ? nullptr : &found->second;
@@ -35,6 +41,9 @@ bool RouteTable::update(const RouteOffer& offer) {
   route.sequence_valid = offer.sequence.has_value() || known;
   route.hops = offer.hops;
   route.cost = offer.cost;
+  route.link = offer.link;
+  if (route.next_hop != offer.next_hop) route.asked = 0;
+  route.wasted = 0;
   route.next_hop = offer.next_hop;
   route.expires = route.valid ? std::max(route.expires, offer.expires) : offer.expires;
   route.valid = true;
@@ -57,7 +66,12 @@ void RouteTable::heard_directly(const MacAddress& neighbor, wire::BootTag boot, 
     route.sequence = as_new ? route.sequence : *sequence;
     route.sequence_valid = true;
   }
+  if (!direct) {
+    route.asked = 0;
+    route.wasted = 0;
+  }
   route.cost = direct && as_new ? std::min(route.cost, cost) : cost;
+  route.link = route.cost;
   route.expires = route.valid ? std::max(route.expires, expires) : expires;
   route.hops = 1;
   if (!route.valid || route.next_hop != neighbor) changed_.insert(neighbor);
@@ -79,6 +93,24 @@ void RouteTable::add_precursor(const MacAddress& destination, const MacAddress& 
   const auto found = routes_.find(destination);
   if (found == routes_.end() || found->second.precursors.size() >= kMostPrecursors) return;
   found->second.precursors.insert(precursor);
+}
+
+std::uint32_t RouteTable::waste(const MacAddress& destination, Cost link) {
+  const auto found = routes_.find(destination);
+  if (found == routes_.end()) return 0;
+  Route& route = found->second;
+  if (link <= kHealthy) route.asked = 0;
+  const bool grown = 2 * link >= 3 * std::max(route.link, route.asked);
+  if (!grown || is_unbeatable(link) || !route.sequence_valid) return 0;
+  route.wasted += link - kCheapestDetour;
+  return route.wasted;
+}
+
+void RouteTable::asked(const MacAddress& destination, Cost link) {
+  const auto found = routes_.find(destination);
+  if (found == routes_.end()) return;
+  found->second.asked = link;
+  found->second.wasted = 0;
 }
 
 std::vector<Route> RouteTable::break_link(const MacAddress& next_hop, Time now) {

@@ -23,6 +23,9 @@ struct Route {
   bool repairable = false;  ///< not valid because its next hop was lost here (section 6.12)
   std::uint8_t hops = 0;
   Cost cost = 0;
+  Cost link = 0;             ///< of these, what the first hop cost when the route was taken
+  Cost asked = 0;            ///< what it cost when a better route was looked for; 0 if none was
+  std::uint32_t wasted = 0;  ///< sixteenths of transmissions that frames cost since, beyond a way round
   MacAddress next_hop{};
   Time expires{0};  ///< valid: becomes invalid then; invalid: is deleted then
   std::set<MacAddress> precursors;
@@ -33,6 +36,9 @@ inline std::uint8_t hops_beyond(const Route& route) {
   return static_cast<std::uint8_t>(std::max<int>(route.hops, 1) - 1);
 }
 
+/// What the route costs now that its first hop costs so much. Of the hops beyond nothing new is known.
+inline Cost cost_over(const Route& route, Cost link) { return sum(static_cast<Cost>(route.cost - route.link), link); }
+
 /// What a message says about the way to a destination.
 struct RouteOffer {
   MacAddress destination{};
@@ -42,6 +48,7 @@ struct RouteOffer {
   Cost cost = kPerfectHop;
   MacAddress next_hop{};
   Time expires{0};
+  Cost link = kPerfectHop;  ///< of `cost`, that of the hop to `next_hop`
 };
 
 /// At most kMostRoutes entries; when full, the one that ends first makes room.
@@ -68,6 +75,13 @@ class RouteTable {
   /// Data is due for it: an entry without valid route, and its number with it, is kept for DELETE_PERIOD anew.
   void keep(const MacAddress& destination, Time now);
   void add_precursor(const MacAddress& destination, const MacAddress& precursor);
+
+  /// A frame goes over the first hop of the route, which costs so much now. While that is clearly more than when the
+  /// route was taken, or a better one was last looked for, what a way round might save is added up and returned, in
+  /// sixteenths of transmissions.
+  std::uint32_t waste(const MacAddress& destination, Cost link);
+  /// A better route is looked for.
+  void asked(const MacAddress& destination, Cost link);
 
   /// Section 6.11 case 1: every route over the neighbour becomes invalid, its number grows by one.
   std::vector<Route> break_link(const MacAddress& next_hop, Time now);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "routing/sequence_number.hpp"
+
 namespace adhoc_communication::routing {
 
 Router::Router(const Identity& self, const EngineOptions& options, Neighbors& neighbors, LivingRuns& runs,
@@ -61,8 +63,20 @@ void Router::used(const MacAddress& source, const MacAddress& destination, const
   routes_.extend(source, until);
   routes_.extend(destination, until);
   if (const Route* route = routes_.find(destination)) routes_.extend(route->next_hop, until);
+  look_for_better(destination, now);
   routes_.extend(previous_hop, until);
   routes_.add_precursor(destination, previous_hop);
+}
+
+/// A fading link is left before it breaks, once it has cost as much as it costs to ask: each robot passes the request
+/// on. The number that is asked for makes the answer news to all that rely on the route, which carries data meanwhile.
+void Router::look_for_better(const MacAddress& destination, Time now) {
+  const Route* route = routes_.usable(destination, now);
+  if (route == nullptr) return;
+  const Cost link = neighbors_.cost(route->next_hop);
+  if (routes_.waste(destination, link) < kPerfectHop * directory_.size()) return;
+  const int hop_limit = route->hops + timings_.local_add_ttl;
+  if (discovery_.exchange(destination, route->sequence, hop_limit, now)) routes_.asked(destination, link);
 }
 
 void Router::poll(Time now) {
@@ -83,10 +97,11 @@ Time Router::next_deadline() const {
 }
 
 void Router::finish_searches(Time now) {
-  discovery_.finish_if([&](const Target& target) {
-    if (target.address != MacAddress{}) return routes_.usable(target.address, now) != nullptr;
-    const auto address = directory_.address_of(target.name);
-    return address && routes_.usable(*address, now) != nullptr;
+  discovery_.finish_if([&](const Target& target, const std::optional<std::uint32_t>& newer_than) {
+    const auto address =
+        target.address != MacAddress{} ? std::optional(target.address) : directory_.address_of(target.name);
+    const Route* route = address ? routes_.usable(*address, now) : nullptr;
+    return route != nullptr && (!newer_than || is_newer(route->sequence, *newer_than));
   });
   record_searches(now);
   for (auto iterator = repairs_.begin(); iterator != repairs_.end();) {

@@ -121,6 +121,86 @@ struct Detour {
   std::set<std::pair<std::size_t, MacAddress>> announced;  ///< who told that whom cannot be reached
 };
 
+/// 0 and 1 hear each other well at first, and 2 well all the time.
+TEST(RouteExchange, AFadingLinkIsLeftForAWayRound) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Team team({}, seed);
+    for (int i = 0; i < 3; ++i) team.add();
+    team.run_for(20s);
+    flow(team, 0, 1, 20);
+    ASSERT_EQ(route(team, 0, 1)->hops, 1) << seed;
+    team.medium().set_link_loss(0, 1, 0.8);
+    flow(team, 0, 1, 100);
+    ASSERT_TRUE(route(team, 0, 1)) << seed;
+    EXPECT_EQ(route(team, 0, 1)->next_hop, Team::address(2)) << seed;
+    EXPECT_NEAR(route(team, 0, 1)->cost, 2.0, 0.4) << seed;
+    team.run_for(2s);
+    EXPECT_EQ(team.received(1).size(), 120u) << seed;
+  }
+}
+
+/// 0 - 1 - 2 - 3 with 4 beside 2: who has the fading link asks, not the source.
+TEST(RouteExchange, ARelayAsksForItsOwnHopAndCarriesDataMeanwhile) {
+  Detour detour;
+  Team& team = detour.team;
+  team.run_for(20s);
+  flow(team, 0, 3, 20);
+  ASSERT_TRUE(route(team, 1, 3));
+  const std::size_t relay = route(team, 1, 3)->next_hop == Team::address(2) ? 2 : 4;
+  const std::uint32_t before = route(team, 1, 3)->sequence;
+  std::set<std::size_t> askers;
+  team.on_transmission = [&](std::size_t robot, const Frame& frame) {
+    const auto request = message_of(frame, wire::FrameType::kRouteRequest, wire::read_route_request);
+    if (request && request->originator == Team::address(robot)) askers.insert(robot);
+    EXPECT_FALSE(message_of(frame, wire::FrameType::kRouteError, wire::read_route_error));
+  };
+  team.medium().set_link_loss(1, relay, 0.65);
+  flow(team, 0, 3, 100);
+  askers.erase(relay);  // for the way back of the acknowledgments
+  EXPECT_EQ(askers, std::set<std::size_t>{1});
+  EXPECT_EQ(route(team, 1, 3)->next_hop, Team::address(6 - relay));
+  EXPECT_GT(route(team, 1, 3)->sequence, before);
+  team.run_for(2s);
+  EXPECT_EQ(team.received(3).size(), 120u);
+}
+
+/// Requests of robot 0 while it sends to robot 1 and their link, which was good, loses so much.
+std::size_t requests_while_fading(Team& team, double loss, int packets) {
+  std::set<std::uint32_t> requests;
+  team.run_for(20s);
+  flow(team, 0, 1, 20);
+  team.on_transmission = [&](std::size_t robot, const Frame& frame) {
+    const auto request = message_of(frame, wire::FrameType::kRouteRequest, wire::read_route_request);
+    if (request && robot == 0 && request->originator == Team::address(0)) requests.insert(request->id);
+  };
+  team.medium().set_link_loss(0, 1, loss);
+  flow(team, 0, 1, packets);
+  team.on_transmission = nullptr;
+  return requests.size();
+}
+
+TEST(RouteExchange, NobodyAsksAboutALinkThatNoWayRoundCanBeat) {
+  Team team;
+  for (int i = 0; i < 3; ++i) team.add();
+  EXPECT_EQ(requests_while_fading(team, 0.3, 100), 0u);
+}
+
+/// All of a large team would pass the request on for a few packets.
+TEST(RouteExchange, ItIsAskedOnlyOnceTheLinkHasCostAsMuchAsARequest) {
+  Team team;
+  for (int i = 0; i < 40; ++i) team.add();
+  EXPECT_EQ(requests_while_fading(team, 0.7, 10), 0u);
+}
+
+/// Where no way is better, it is not asked again and again.
+TEST(RouteExchange, WithoutAWayRoundItIsAskedAFewTimesAtMost) {
+  Team team;
+  team.add_line(2);
+  EXPECT_LE(requests_while_fading(team, 0.55, 200), 3u);
+  team.run_for(5s);
+  EXPECT_EQ(team.received(1).size(), 220u);
+}
+
 TEST(LocalRepair, A10_1_A10_2_A10_3_DataWaitsWhereTheRouteBroke) {
   Detour detour;
   Team& team = detour.team;
