@@ -76,7 +76,7 @@ bench-hardship: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_hardship --out out/bench/hardship.json
 
 # Missions in other buildings, with other robots and larger teams, in virtual time: hours. Goes on where it was stopped.
-# BUILDINGS="--trials 3 --only turtlebot mixed" runs a part.
+# BUILDINGS="--trials 3 --only turtlebot mixed" runs a part; BUILDINGS="--odometry bias random_walk" both models of odometry.
 bench-buildings: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_buildings --out out/bench/buildings.json $(BUILDINGS)
 
@@ -84,15 +84,14 @@ bench-buildings: build
 bench-explore-cpu: build
 	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 rosrun mr_experiments bench_decisions --out out/bench/decisions.json
 
-# SLAM on scans and odometry of fifteen missions, which are recorded first: five minutes on two cores.
+# SLAM on scans and odometry of missions, which are recorded first: two hours. SLAM="--missions 1": a part.
 bench-slam: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_slam --out out/bench/slam.json
+	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 rosrun mr_experiments bench_slam --out out/bench/slam.json $(SLAM)
 
-# The same beside MRPT's ICP and RBPF, which take a minute a log. SLAM: options of bench_slam; REAL_LOGS=DIR: also the
-# CARMEN logs in that folder.
+# On the same logs beside MRPT's ICP and RBPF, which take a minute a log. REAL_LOGS=DIR: also the CARMEN logs in that folder.
 bench-slam-peers: build
 	@tools/build_slam_peers
-	@mkdir -p out/bench && $(ENVIRONMENT) PYTHONPATH=build/slam_peers:$$PYTHONPATH \
+	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 PYTHONPATH=build/slam_peers:$$PYTHONPATH \
 	  rosrun mr_experiments bench_slam --peers --out out/bench/slam_peers.json $(if $(REAL_LOGS),--real-logs $(REAL_LOGS)) $(SLAM)
 
 # Where robots get stuck: two hundred scenes drawn from seeds, a minute.

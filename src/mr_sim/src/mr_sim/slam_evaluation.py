@@ -3,14 +3,14 @@
 import math
 import time
 from dataclasses import dataclass
-from typing import Optional, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
 from mr_measures.figures import coverage, wrong_walls
 from mr_measures.truth import Truth
-from mr_robot.slam.engine import LaserScan, Slam, SlamUpdate
+from mr_robot.slam.engine import LaserScan, SlamUpdate
 from mr_sim.scan_log import ScanLog
 
 LOOP_RADIUS, LOOP_WAY = 5.0, 60.0  # m: a loop ends this near to a place that lies so much of way back
@@ -42,9 +42,9 @@ class Evaluation:
     milliseconds: tuple[float, float]
 
 
-def evaluate(log: ScanLog, truth: Truth, slam: Optional[Engine] = None) -> Evaluation:
-    """Runs SLAM over the whole log. Its first pose is where the log begins."""
-    slam = slam or Slam()
+def evaluate(log: ScanLog, truth: Truth, slam: Engine) -> Evaluation:
+    """Runs SLAM over the whole log. Its first pose is where the log begins. `slam`: with the options of the log's
+    robot."""
     start = Pose(*log.truth[0].tolist())
     poses, matched, spent = [], [], []
     for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):

@@ -2,6 +2,7 @@
 
 import math
 import multiprocessing
+from dataclasses import fields
 from pathlib import Path
 from typing import Callable, Iterable, Iterator
 
@@ -13,8 +14,10 @@ from mr_grid import Pose
 from mr_measures.figures import wrong_walls
 from mr_measures.truth import Truth
 from mr_robot._slam import PoseGraph, SquareWalls
-from mr_robot.slam.engine import LaserScan, Slam, SlamError
+from mr_robot.platforms.parameters import slam_parameters
+from mr_robot.slam.engine import LaserScan, Slam, SlamError, SlamOptions
 from mr_sim.scan_log import ScanLog, with_random_walk
+from mr_sim.simulated_platform import platform_of
 from mr_sim.slam_evaluation import evaluate, loop_ends
 from mr_sim.true_world import true_world_of
 from mr_sim.world import World
@@ -43,6 +46,13 @@ class Recorder(Drives):
         self.rows.append((self.world.time, ranges.copy(), odometry, truth))
 
 
+def slam_of(name: str) -> Slam:
+    """With the options of the first robot of that world."""
+    platform = platform_of(load_world(find_world(name)).robots[0])
+    given, options = slam_parameters(platform, (platform,)), [field.name for field in fields(SlamOptions)]
+    return Slam(SlamOptions(**{option: given[option] for option in options if option in given}))
+
+
 def driven(name: str, seed: int, seconds: float) -> ScanLog:
     drives = Recorder(name, seed)
     drives.run(seconds, follow(ROUND, 0.4))
@@ -68,7 +78,7 @@ def test_where_walls_tell_nothing_odometry_does_not_confirm_itself(seed: int) ->
     """A Turtlebot that drove 2.5 % farther than it counted had learned half of that after 90 m, for most of them in
     corridors; what it had drawn before stayed too short."""
     log = driven("office26x15_turtlebots", seed, 240.0)
-    slam = Slam()
+    slam = slam_of("office26x15_turtlebots")
     for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):
         slam.process(log.scan(index), tuple(odometry), moment)
     x, y, yaw = log.odometry[-1].tolist()
@@ -82,7 +92,8 @@ def test_wheels_that_err_anew_at_each_step_bend_no_map() -> None:
     """What they err by grows with the root of the way. Taken for a share of it, every single step of 2 degrees, which
     errs by half a degree, was believed."""
     log = with_random_walk(driven("office26x15", SEED, 190.0), 0.03, 0.05, 2)
-    evaluation = evaluate(log, Truth.of_world(true_world_of(World(load_world(find_world("office26x15")), 1))))
+    truth = Truth.of_world(true_world_of(World(load_world(find_world("office26x15")), 1)))
+    evaluation = evaluate(log, truth, slam_of("office26x15"))
     assert evaluation.q95_heading < math.radians(0.25) and evaluation.wrong_walls < 0.01
 
 
@@ -93,7 +104,7 @@ def test_the_map_is_drawn_anew_when_the_way_turns_out_to_be_another() -> None:
     for seed in (3, 4, 5):
         drives = Recorder("office26x15_turtlebots", seed)
         drives.run(240.0, follow(ROUND, 0.4))
-        evaluations.append(evaluate(drives.log(), Truth.of_world(true_world_of(drives.world))))
+        evaluations.append(evaluate(drives.log(), Truth.of_world(true_world_of(drives.world)), slam_of(drives.name)))
     walls = [each.wrong_walls for each in evaluations]
     assert np.mean(walls) < 0.03 and max(walls) < 0.08
     assert max(each.end_error for each in evaluations) < 0.15
@@ -424,4 +435,4 @@ def test_a_loop_is_closed_by_a_robot_that_turns_off_before_its_end(draw_world: C
     drives = Recorder(draw_world((24, 16), blocks, [(1.0, 1.0, 0.0)]), 0)
     drives.run(250.0, follow([(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 5.5), (6.0, 5.5)], 0.4))
     log = with_random_walk(drives.log(), 0.1, 0.02, walk)
-    assert evaluate(log, Truth.of_world(true_world_of(drives.world))).end_error < 0.15
+    assert evaluate(log, Truth.of_world(true_world_of(drives.world)), slam_of(drives.name)).end_error < 0.15

@@ -6,7 +6,8 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,180 +24,162 @@ from mr_experiments.bench.slam_comparison import (
     printed,
     table,
 )
+from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, Kind, drives, slam_of, truth_of
 from mr_experiments.bench.slam_peers import peers
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
-from mr_experiments.host.mission import Mission
-from mr_experiments.trial.scenario import load_scenario
-from mr_experiments.trial.trial import Trial, TrialError
-from mr_grid import Pose
-from mr_measures.truth import Truth
+from mr_experiments.trial.trial import TrialError
 from mr_robot.slam.engine import Slam, SlamError
-from mr_sim.scan_log import ScanLog, with_random_walk
+from mr_sim.scan_log import ScanLog
 from mr_sim.slam_evaluation import Engine, Evaluation, evaluate
-from mr_sim.true_world import true_world_of
-from mr_sim.world import World
-from mr_sim.world_model import load_world
-from mr_sim.worlds import find_world, label_of
+from mr_sim.worlds import label_of
 
-LARGE_LOOPS, LARGE_FLOOR = "large loops", "large floor"
-WORLDS = {
-    "halls and loops": ("generated:hall:{}:48x20", "generated:loop:{}:45x40"),
-    LARGE_LOOPS: ("generated:loop:{}:60x60",),
-    LARGE_FLOOR: ("large60x60",),  # slanted walls among square ones, and far ends where the least turn shows
-}
-"""Of kinds that have not the one of their scenario. Their worlds take turns."""
-MOST_LARGE = 6  # missions of the large kinds
-ODOMETRY_ERROR = {"pioneers": (0.03, 0.05), "turtlebots": (0.03, 0.01)}
-"""Standard deviations of a random walk after 1 m and 1 rad: the bounds of Stage's bias in the worlds. Those of Pioneers
-hold for all other kinds."""
-WRONG_WALLS = {
-    "pioneers": (0.5, 3.0),
-    "turtlebots": (3.0, 8.0),
-    "halls and loops": (5.0, 5.0),
-    LARGE_FLOOR: (0.5, 3.0),
-}  # %, mean and worst
-KINDS = sorted([*WRONG_WALLS, LARGE_LOOPS])
 BIAS, WALK = "a constant bias", "a random walk"
 LOOP_END = 0.3  # m, 0.95 quantile of the position's error where large loops end
-LIMIT = 900.0  # s of a mission
 PER_SCAN = (4.0, 60.0)  # ms, mean and worst
+
+Make = Callable[[ScanLog], Engine]
+Row = dict[str, Any]  # what, bar, value, unit, holds, detail
+
+
+@dataclass(frozen=True)
+class Spent:
+    """Processor time of SLAM on one log. `mean`, `worst`: ms per scan."""
+
+    kind: str
+    scans: int
+    mean: float
+    worst: float
 
 
 def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="bench_slam",
-        description="Records scans and odometry of missions of one robot (office with Pioneers and with Turtlebots, "
-        "generated halls and loops, loops and a floor of 60 m x 60 m) and runs SLAM over them. Logs that are there are "
-        "taken as they are.",
+        description="Records scans and odometry of missions of one robot ("
+        + ", ".join(f"{kind.logs} of {name}" for name, kind in KINDS.items())
+        + ") and runs SLAM over them, each with the options of its robot. Logs that are there are taken as they are.",
         epilog="Exit code: 0 all bars reached, 1 one is missed, 2 bad options, 130 interrupted.",
     )
     add = parser.add_argument
-    add("--first-seed", type=int, default=1, metavar="N", help="of the missions (default: %(default)s)")
-    add("--missions", type=int, default=5, metavar="N", help="of each kind (default: %(default)s)")
-    add("--kinds", nargs="*", choices=KINDS, default=KINDS, help="none or some (default: all)")
-    add("--peers", action="store_true", help="also run MRPT's ICP and RBPF (built by `make bench-slam-peers`)")
+    add("--first-seed", type=int, default=FIRST_SEED, metavar="N", help="of the missions (default: %(default)s)")
+    add("--missions", type=int, metavar="N", help="no more than the first N of each kind (default: all)")
+    add("--kinds", nargs="*", choices=list(KINDS), default=list(KINDS), help="none or some (default: all)")
+    add("--peers", action="store_true", help="instead compare with MRPT's ICP and RBPF, which `make bench-slam-peers` "
+        "builds, on the kinds that are judged by their walls")  # fmt: skip
     add("--real-logs", metavar="DIR", help="folder of CARMEN logs, to run SLAM over them as well")
     add("--logs", default="out/bench/scans", metavar="DIR", help="folder of the logs (default: %(default)s)")
     add("--out", default="out/bench/slam.json", metavar="FILE", help="rows (default: %(default)s)")
     return parser
 
 
-def trials(kind: str, first: int, count: int) -> Iterator[Trial]:
-    worlds = WORLDS.get(kind, ("",))
-    most = MOST_LARGE if kind in (LARGE_LOOPS, LARGE_FLOOR) else count
-    for seed in range(first, first + min(count, most)):
-        scenario = load_scenario("turtlebot" if kind == "turtlebots" else "paper")
-        yield scenario.trial(1, 7, seed, worlds[seed % len(worlds)].format(seed))
-
-
-def recorded(trial: Trial, folder: Path) -> ScanLog:
-    """The log of the trial's first robot, recorded unless it is there."""
-    path = folder / f"{label_of(trial.world)}-s{trial.seed}.npz"
-    if path.is_file():
-        return ScanLog.load(path)
-    folder.mkdir(parents=True, exist_ok=True)
-    log = record(trial)
-    log.save(path)
-    return log
-
-
-def record(trial: Trial) -> ScanLog:
-    """Runs the mission."""
-    mission = Mission(trial)
-    robot, rows = mission.robots[0], []
-    handle = robot.on_scan
-
-    def on_scan(ranges: np.ndarray, odometry: Pose) -> tuple[float, float]:
-        rows.append((mission.world.time, ranges.copy(), odometry, mission.world.pose(0)))
-        return handle(ranges, odometry)
-
-    robot.on_scan = on_scan  # type: ignore[method-assign]
-    mission.run(LIMIT)
-    description = mission.world.robots[0]
-    ranger = description.rangers[description.main_ranger]
-    geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, *ranger.mount)
-    times, ranges, odometry, truth = (np.array(column) for column in zip(*rows))
-    return ScanLog(trial.world, np.array(geometry), times, ranges.astype(np.float32), odometry, truth)
-
-
-def truth_of(world: str) -> Truth:
-    return Truth.of_world(true_world_of(World(load_world(find_world(world)), 1, 0)))
-
-
-def rows_of(kind: str, odometry: str, results: Sequence[Evaluation]) -> list[dict[str, Any]]:
+def rows_of(name: str, bars: tuple[float, float], odometry: str, results: Sequence[Evaluation]) -> list[Row]:
     walls = [100.0 * each.wrong_walls for each in results]
-    bars, name = WRONG_WALLS[kind], f"{kind}, odometry with {odometry}"
     detail = (
         f"{len(results)} logs; position error mean {np.mean([r.mean_error for r in results]):.3f} m, 0.95 quantile "
         f"{np.mean([r.q95_error for r in results]):.3f} m, at the end {np.mean([r.end_error for r in results]):.3f} m, "
         f"heading {np.degrees(np.mean([r.q95_heading for r in results])):.2f} deg, "
         f"contradicted {100 * np.mean([r.contradicted for r in results]):.1f} %"
     )
+    above = f"{sum(share > bars[1] for share in walls)} of {len(walls)} logs above"
     return [
-        _row(f"wrong walls, mean, {name}", bars[0], float(np.mean(walls)), "%", detail),
-        _row(f"wrong walls, worst, {name}", bars[1], max(walls), "%", ""),
+        _row(f"wrong walls, mean, {name}, odometry with {odometry}", bars[0], float(np.mean(walls)), "%", detail),
+        _row(f"wrong walls, worst, {name}, odometry with {odometry}", bars[1], max(walls), "%", above),
     ]
 
 
-def _row(what: str, bar: float, value: float, unit: str, detail: str) -> dict[str, Any]:
+def _row(what: str, bar: float, value: float, unit: str, detail: str) -> Row:
     holds = value <= bar
     print(f"{'ok  ' if holds else 'MISS'} {what}: {value:.2f} {unit} (bar <= {bar:g}) {detail}", flush=True)
     return {"what": what, "bar": f"<= {bar:g}", "value": value, "unit": unit, "holds": holds, "detail": detail}
 
 
-def loop_row(results: Sequence[Evaluation]) -> dict[str, Any]:
-    """Where the robots come by places that they know from long ago."""
+def loop_row(name: str, results: Sequence[Evaluation]) -> Row:
+    """Where the robots come by places that they know from long ago: over the scans of all logs together. A log whose
+    mission closed no loop has no such scan."""
     errors = [each.loop_errors for each in results]
-    worst = ", ".join(f"{each.max():.3f}" if len(each) else "no loop" for each in errors)
+    own = [float(np.quantile(each, 0.95)) for each in errors if len(each)]
     together = np.concatenate(errors)
     value = float(np.quantile(together, 0.95)) if len(together) else math.inf
-    detail = f"{len(errors)} logs, {len(together)} scans at loop ends, worst of each {worst} m"
-    return _row(f"position error at loop ends, 0.95 quantile, {LARGE_LOOPS}, odometry with {WALK}",
+    each = ", ".join(f"{np.quantile(one, 0.95):.3f}" if len(one) else "no loop" for one in errors)
+    detail = (
+        f"{len(together)} scans at loop ends; {len(errors)} logs, {len(errors) - len(own)} of them without a loop; "
+        f"{sum(one > LOOP_END for one in own)} of {len(own)} above {LOOP_END:g} m by themselves; "
+        f"0.95 quantile of each: {each} m"
+    )
+    return _row(f"position error at loop ends, 0.95 quantile, {name}, odometry with {WALK}",
                 LOOP_END, value, "m", detail)  # fmt: skip
 
 
-Factories = Mapping[str, Callable[[ScanLog], Engine]]
+def time_rows(spent: Sequence[Spent]) -> list[Row]:
+    """Over the scans of all logs, and for each kind, slowest first."""
+    kinds = {kind: [each for each in spent if each.kind == kind] for kind in dict.fromkeys(each.kind for each in spent)}
+    means = {kind: _mean(of_kind) for kind, of_kind in kinds.items()}
+    worst = {kind: max(each.worst for each in of_kind) for kind, of_kind in kinds.items()}
+    scans = f"{sum(each.scans for each in spent)} scans, one core; "
+    return [
+        _row("SLAM per scan, mean", PER_SCAN[0], _mean(spent), "ms", scans + _slowest_first(means)),
+        _row("SLAM per scan, worst", PER_SCAN[1], max(worst.values()), "ms", _slowest_first(worst)),
+    ]
 
 
-def judged(logs: Sequence[ScanLog], name: str, make: Callable[[ScanLog], Engine]) -> list[Evaluation]:
+def _mean(spent: Sequence[Spent]) -> float:
+    return sum(each.scans * each.mean for each in spent) / sum(each.scans for each in spent)
+
+
+def _slowest_first(by_kind: Mapping[str, float]) -> str:
+    return ", ".join(f"{kind} {value:.1f}" for kind, value in sorted(by_kind.items(), key=lambda each: -each[1]))
+
+
+def judged(logs: Iterable[ScanLog], name: str, make: Make) -> list[Evaluation]:
     """One engine on logs, a new one for each."""
     results = []
     for log in logs:
-        results.append(evaluate(log, truth_of(log.world), make(log)))
+        results.append(evaluate(log, truth_of(log), make(log)))
         print(f"{label_of(log.world)}, {name}: wrong walls {100 * results[-1].wrong_walls:.1f} %, position error "
               f"{results[-1].q95_error:.3f} m", flush=True)  # fmt: skip
     return results
 
 
-def run(given: argparse.Namespace) -> list[dict[str, Any]]:
-    factories: Factories = {OURS: lambda _: Slam(), **(peers() if given.peers else {})}
-    rows: list[dict[str, Any]] = []
-    settings: dict[Setting, Engines] = {}
-    spent: list[tuple[float, float]] = []
-    for kind in given.kinds:
-        errors = ODOMETRY_ERROR.get(kind, ODOMETRY_ERROR["pioneers"])
-        taken = [(recorded(trial, Path(given.logs)), trial.seed)
-                 for trial in trials(kind, given.first_seed, given.missions)]  # fmt: skip
-        walks = [with_random_walk(log, *errors, seed) for log, seed in taken]
-        if kind == LARGE_LOOPS:
-            results = judged(walks, OURS, factories[OURS])
-            rows.append(loop_row(results))
-            spent += [each.milliseconds for each in results]
-            continue
-        for odometry, logs in ((BIAS, [log for log, _ in taken]), (WALK, walks)):
-            found = {name: judged(logs, name, make) for name, make in factories.items()}
-            rows += rows_of(kind, odometry, found[OURS])
-            spent += [each.milliseconds for each in found[OURS]]
-            settings[kind, odometry] = {name: measures_of(results) for name, results in found.items()}
-    if spent:
-        rows.append(_row("SLAM per scan, mean", PER_SCAN[0], float(np.mean([mean for mean, _ in spent])), "ms", ""))
-        rows.append(_row("SLAM per scan, worst", PER_SCAN[1], max(worst for _, worst in spent), "ms", ""))
+def own_rows(given: argparse.Namespace) -> list[Row]:
+    rows: list[Row] = []
+    spent: list[Spent] = []
+    for name in given.kinds:
+        for odometry, logs in _logs(KINDS[name], given):
+            results = judged(logs, OURS, slam_of)
+            bars = KINDS[name].walls
+            rows += [loop_row(name, results)] if bars is None else rows_of(name, bars, odometry, results)
+            spent += [Spent(name, len(log.times), *each.milliseconds) for log, each in zip(logs, results)]
     if given.real_logs:
-        settings |= real_settings(Path(given.real_logs), given.first_seed, factories)
-    return rows + (compared(settings) if given.peers and settings else [])
+        real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed})
+    return rows + (time_rows(spent) if spent else [])
 
 
-def real_settings(folder: Path, seed: int, factories: Factories) -> dict[Setting, Engines]:
+def _logs(kind: Kind, given: argparse.Namespace) -> list[tuple[str, list[ScanLog]]]:
+    """With each model of odometry; where loops end with the random walk alone, whose errors grow with the way."""
+    taken = list(drives(kind, given.first_seed, given.missions, Path(given.logs)))
+    walking = (WALK, [drive.walking for drive in taken])
+    return [walking] if kind.walls is None else [(BIAS, [drive.biased for drive in taken]), walking]
+
+
+def peer_rows(given: argparse.Namespace) -> list[Row]:
+    others = peers()
+    settings: dict[Setting, Engines] = {}
+    for name in given.kinds:
+        if KINDS[name].walls is None:
+            continue
+        for odometry, logs in _logs(KINDS[name], given):
+            engines: dict[str, Make] = {OURS: slam_of, **others}
+            settings[name, odometry] = {each: measures_of(judged(logs, each, make)) for each, make in engines.items()}
+    if given.real_logs:
+        settings |= real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed, **others})
+    return compared(settings) if settings else []
+
+
+def undescribed(_: ScanLog) -> Slam:
+    """Of a robot that nobody has described: what options are without that."""
+    return Slam()
+
+
+def real_settings(folder: Path, seed: int, engines: Mapping[str, Make]) -> dict[Setting, Engines]:
     """Each log of the folder is a setting of its own."""
     settings: dict[Setting, Engines] = {}
     try:
@@ -204,7 +187,7 @@ def real_settings(folder: Path, seed: int, factories: Factories) -> dict[Setting
     except ValueError as error:
         raise CallError(f"--real-logs: {error}") from None
     for log in logs:
-        errors = {name: judge(log, make(log)) for name, make in factories.items()}
+        errors = {name: judge(log, make(log)) for name, make in engines.items()}
         for name, each in errors.items():
             print(f"{log.world}, {name}: position error {each.position:.3f} m, relations {each.relation:.3f} m, "
                   f"{math.degrees(each.turn):.2f} deg", flush=True)  # fmt: skip
@@ -221,9 +204,9 @@ def main(arguments: Sequence[str]) -> int:
     """Writes the rows; returns the exit code."""
     try:
         given = make_parser().parse_args(arguments)
-        if given.missions < 1:
+        if given.missions is not None and given.missions < 1:
             raise CallError(f"--missions must be at least 1, not {given.missions}")
-        rows = run(given)
+        rows = peer_rows(given) if given.peers else own_rows(given)
         Path(given.out).parent.mkdir(parents=True, exist_ok=True)
         Path(given.out).write_text(json.dumps(rows, indent=1) + "\n")
     except (CallError, TrialError, SlamError, OSError) as error:
