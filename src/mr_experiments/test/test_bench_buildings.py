@@ -7,7 +7,8 @@ from made_missions import made_mission, made_robot
 
 from mr_experiments.bench import bench_buildings_command as command
 from mr_experiments.bench import mission_set
-from mr_experiments.bench.bench_buildings import HUGE, KINDS, revoked_though_right, table, trials_of
+from mr_experiments.bench.bench_buildings import HUGE, KINDS, Group, table, trials_of
+from mr_experiments.bench.mishaps import revoked_though_right
 from mr_grid import Pose
 from mr_measures.record.files import write_record
 from mr_measures.record.robot_record import Contacts, MapFigures, Merge
@@ -30,7 +31,7 @@ def record(*robots, seed=1, time=100.0, status="finished"):
 
 
 def entry(records, what, kind="turtlebot", team=4):
-    (found,) = [row for row in table({(kind, team): records}) if row["what"].endswith(what)]
+    (found,) = [row for row in table({Group(kind, team): records}) if row["what"].endswith(what)]
     return found
 
 
@@ -40,12 +41,21 @@ def merge(at, transform, right=True):
 
 def test_each_kind_has_its_worlds_and_robots():
     groups = trials_of(list(KINDS), range(3, 5), range(3, 4))
-    assert {key: len(trials) for key, trials in groups.items() if key[0] in HUGE} == {
-        ("large", 4): 1, ("many", 8): 1, ("many", 16): 1}  # fmt: skip
-    assert all(trial.robots == team for (_, team), trials in groups.items() for trial in trials)
-    assert [trial.world for trial in groups["wide", 4]] == ["generated:loop:3:45x40", "generated:hall:4:48x20"]
-    assert all(trial.world.startswith("generated:") for trial in groups["generated", 1])
-    assert {trial.world for trial in groups["mixed", 4]} == {"office26x15_mixed"}
+    assert {key: len(trials) for key, trials in groups.items() if key.kind in HUGE} == {
+        Group("large", 4): 1, Group("many", 8): 1, Group("many", 16): 1}  # fmt: skip
+    assert all(trial.robots == key.team for key, trials in groups.items() for trial in trials)
+    halls, loops = ([trial.world for trial in groups[Group(kind, 4)]] for kind in ("halls", "loops"))
+    assert halls == ["generated:hall:3:48x20", "generated:hall:4:48x20"]
+    assert loops == ["generated:loop:3:45x40", "generated:loop:4:45x40"]
+    assert all(trial.world.startswith("generated:") for trial in groups[Group("generated", 1)])
+    assert {trial.world for trial in groups[Group("mixed", 4)]} == {"office26x15_mixed"}
+
+
+def test_rows_name_odometry_that_walks():
+    groups = trials_of(["turtlebot"], [3], [3], "random_walk")
+    assert {trial.odometry for trials in groups.values() for trial in trials} == {"random_walk"}
+    assert {row["what"].partition(":")[0] for row in table({next(iter(groups)): [record()]})} == {
+        "turtlebot, random walk, R = 1"}  # fmt: skip
 
 
 def test_a_mission_without_an_end_is_named():
@@ -58,6 +68,7 @@ def test_a_mission_without_an_end_is_named():
     [
         (robot(last=(4.0, 6.0)), "did not get home", "seed 1: robot_0 is 5.0 m from home"),
         (robot(collisions=2), "touched something", "seed 1: robot_0"),
+        (robot(collisions=2), "contacts", ""),
         (robot(walls=0.2), "wrong walls, worst", "seed 1: robot_0 20 %"),
         (
             robot(merges=[merge(3.0, Pose(1.0)), merge(9.0, None)]),
@@ -70,6 +81,17 @@ def test_each_fault_misses_its_bar_and_is_named(bad, what, detail):
     assert entry([record(robot())], what)["holds"]
     found = entry([record(bad, robot())], what)
     assert not found["holds"] and found["detail"] == detail
+
+
+def test_contacts_are_counted_beside_the_robots_that_had_them():
+    records = [record(robot(collisions=2), robot()), record(robot(collisions=3))]
+    assert entry(records, "touched something")["value"] == 2 and entry(records, "contacts")["value"] == 5
+
+
+def test_mixed_teams_keep_transforms_that_are_right():
+    """They had no such row."""
+    taken_back = robot(merges=[merge(3.0, Pose(1.0)), merge(9.0, None)])
+    assert not entry([record(taken_back, robot())], "right transforms revoked", "mixed")["holds"]
 
 
 def test_robots_that_died_need_no_way_home_and_no_map():
@@ -102,6 +124,20 @@ def test_a_run_goes_on(tmp_path, monkeypatch, capsys):
     assert command.main([*arguments, "--trials", "2"]) == 0 and ran == [3, 4]
     assert json.loads((tmp_path / "buildings.json").read_text())[0]["value"] == 2
     assert "1 of 2 missions to run" in capsys.readouterr().out
+
+
+def test_missions_of_either_odometry_have_records_of_their_own(tmp_path, monkeypatch):
+    def records_of_all(trials, folder, jobs, console):
+        asked.update({(folder.name, trial.odometry) for trial in trials})
+        return [record(seed=trial.seed) for trial in trials]
+
+    asked = set()
+    monkeypatch.setattr(command, "records_of_all", records_of_all)
+    arguments = ["--out", str(tmp_path / "b.json"), "--only", "turtlebot", "--odometry", "bias", "random_walk"]
+    command.main([*arguments, "--trials", "1"])
+    assert asked == {("b", "bias"), ("random_walk", "random_walk")}
+    names = {row["what"].partition(":")[0] for row in json.loads((tmp_path / "b.json").read_text())}
+    assert {"turtlebot, R = 1", "turtlebot, random walk, R = 1"} <= names
 
 
 def test_bad_calls(capsys):

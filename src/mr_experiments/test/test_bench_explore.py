@@ -31,6 +31,7 @@ def mission(world="a", robots=1, strategy=7, time=100.0, **other):
     values = {
         "seed": 1, "limit": 3600.0, "code": "c", "status": "finished", "reason": "", "known_at": 90.0,
         "first_end": 98.0, "coverage": (1.0,) * robots, "wrong_walls": (0.0,) * robots, "distance": 10.0,
+        "contacts": 0, "not_home": 0,
     }  # fmt: skip
     return MissionRow(world=world, robots=robots, strategy=strategy, time=time, **{**values, **other})
 
@@ -105,6 +106,14 @@ def test_a_row_tells_when_99_percent_was_known():
 
     assert known_at((0.0, 10.0, 20.0), (0.0, 0.98, 1.0)) == pytest.approx(15.0)
     assert known_at((0.0, 10.0), (0.0, 0.98)) is None
+
+
+def test_contacts_and_robots_that_are_not_home_have_rows_and_name_their_missions():
+    rows = [mission(), mission("b", 2, contacts=3), mission("c", not_home=1)]
+    assert entry([mission()], "contacts")["holds"]
+    touched, away = entry(rows, "contacts"), entry(rows, "robots that did not get home")
+    assert (touched["value"], touched["holds"], touched["detail"]) == (3, False, "3 missions b R2 strategy 7")
+    assert (away["value"], away["detail"]) == (1, "3 missions c R1 strategy 7")
 
 
 def test_rows_survive_a_line_that_was_cut_off(tmp_path):

@@ -9,7 +9,8 @@ from mr_experiments.bench import bench_hardship_command as command
 from mr_experiments.bench import mission_set
 from mr_experiments.bench.bench_hardship import HARDSHIPS, LARGE, table, trials_of
 from mr_measures.record.files import write_record
-from mr_measures.record.robot_record import MapFigures
+from mr_measures.record.robot_record import Contacts, MapFigures
+from mr_measures.record.series import RobotSeries
 
 
 def record(scenario="paper", robots=4, seed=1, time=100.0, status="finished", coverage=1.0, died_at=None):
@@ -46,6 +47,14 @@ def test_one_mission_has_no_interval():
 
 def test_the_map_of_a_robot_that_died_does_not_count():
     assert entry([record("killed", died_at=50.0)], "killed, R = 4: coverage, worst")["value"] == 1.0
+
+
+def test_contacts_and_robots_that_are_not_home_are_counted():
+    lost = made_robot(series=RobotSeries(time=(0.0, 1.0), x=(1.0, 9.0), y=(2.0, 2.0)), collisions=Contacts(1, 2))
+    records = [made_mission([made_robot(), lost], settings={"scenario": "paper"})]
+    for what, count in (("paper, R = 2: robots that did not", 1), ("paper, R = 2: contacts", 3)):
+        found = entry(records, what)
+        assert (found["value"], found["holds"]) == (count, False)
 
 
 def test_the_short_radio_is_compared_seed_by_seed():

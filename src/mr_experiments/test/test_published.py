@@ -13,7 +13,7 @@ from mr_experiments.publish.mission_table import mission_rows, world_rows
 from mr_experiments.publish.published import PublishError, render
 from mr_measures.record.files import write_record
 from mr_measures.record.robot_record import Contacts, MapFigures
-from mr_measures.record.series import TeamSeries
+from mr_measures.record.series import RobotSeries, TeamSeries
 
 ROOT = Path(__file__).resolve().parents[3]
 ROWS = [{"robots": "1", "mean": "238.03"}, {"robots": "4", "mean": "103.94"}, {"robots": "8", "mean": ""}]
@@ -55,7 +55,8 @@ def test_what_cannot_be_filled_is_named(page, trouble):
 def record(robots, seed, time, **differences):
     series = TeamSeries(time=(0.0, 0.5 * time, time), coverage=(0.1, 0.98, 1.0))
     figures = MapFigures(coverage=0.998, error=-0.2, wrong_walls=0.01)
-    robot = made_robot(distance=50.0, map=figures, collisions=Contacts(0, 1), finished_at=time - 2.0)
+    lost = RobotSeries(time=(0.0, 1.0), x=(1.0, 4.0), y=(0.0, 4.0))
+    robot = made_robot(distance=50.0, map=figures, collisions=Contacts(0, 1), finished_at=time - 2.0, series=lost)
     settings = {"seed": seed, **differences}
     return made_mission([robot] * robots, time=time, settings=settings, series=series, versions={"code": "abc"})
 
@@ -74,7 +75,7 @@ def test_missions_of_a_kind_make_one_row():
     two = rows[1]
     assert two["time_mean"] == 110.0 and two["time_longest"] == 120.0 and two["ends_most"] == 2.0
     assert two["after_known"] == pytest.approx(0.25) and two["distance"] == 100.0
-    assert (two["wrong_maps"], two["maps"], two["collisions"]) == (4, 4, 4)
+    assert (two["wrong_maps"], two["maps"], two["collisions"], two["not_home"]) == (4, 4, 4, 4)
 
 
 def test_missions_that_failed_are_counted_and_enter_no_mean():
@@ -98,7 +99,7 @@ def test_a_trial_counts_once(tmp_path, capsys):
 def test_worlds_are_compared_one_by_one():
     def mission(world, robots, strategy, time):
         return MissionRow(
-            world, robots, strategy, 1, 900.0, "c", "finished", "", time, 0.9 * time, time, (1.0,), (), 1.0
+            world, robots, strategy, 1, 900.0, "c", "finished", "", time, 0.9 * time, time, (1.0,), (), 1.0, 0, 0
         )
 
     missions = [

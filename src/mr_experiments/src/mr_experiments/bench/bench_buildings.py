@@ -5,19 +5,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Callable, Mapping, Sequence
+from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
 from mr_experiments.bench.bench_merging import Row, row
 from mr_experiments.bench.explore_missions import LIMIT, world_name
+from mr_experiments.bench.mishaps import contacts, far_from_home, revoked_though_right
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
-from mr_measures.record.mission_record import MissionRecord
+from mr_measures.record.mission_record import BIAS, MissionRecord
 
 STRATEGY = 7
-HOME = 1.5  # m from its start within which a robot is at home: two cannot stand on one spot
-WIDE = ("generated:hall:{}:48x20", "generated:loop:{}:45x40")  # wider than a Pioneer's laser reaches
+HALL, LOOP = "generated:hall:{}:48x20", "generated:loop:{}:45x40"  # wider than a Pioneer's laser reaches
 
 Bars = tuple[float, float]  # percent of wrong walls: mean and worst of all maps
 PIONEERS: Bars = (0.5, 3.0)
@@ -42,8 +42,9 @@ KINDS: Mapping[str, Kind] = {
     "narrow": Kind("narrow", (2, 4)),
     "unknown_poses": Kind("unknown_poses", (4,)),
     "turtlebot": Kind("turtlebot", (1, 2, 3, 4), TURTLEBOTS, unrevoked=True),
-    "mixed": Kind("mixed", (4,), TURTLEBOTS),
-    "wide": Kind("paper", (1, 4), WIDE_HALLS, lambda seed: WIDE[seed % len(WIDE)].format(seed), unrevoked=True),
+    "mixed": Kind("mixed", (4,), TURTLEBOTS, unrevoked=True),
+    "halls": Kind("paper", (1, 4), WIDE_HALLS, HALL.format, unrevoked=True),
+    "loops": Kind("paper", (1, 4), WIDE_HALLS, LOOP.format, unrevoked=True),
     "generated": Kind("paper", (1, 4), world=world_name, limit=LIMIT),
     "large": Kind("large", (4,)),
     "many": Kind("many", (8, 16)),
@@ -51,39 +52,54 @@ KINDS: Mapping[str, Kind] = {
 HUGE = ("large", "many")  # a quarter of an hour and more for each mission
 
 
-def trials_of(names: Sequence[str], seeds: Sequence[int], huge_seeds: Sequence[int]) -> dict[tuple[str, int], list]:
-    """By kind and team size."""
+class Group(NamedTuple):
+    """Missions of one kind and team size, whose odometry errs in one way."""
+
+    kind: str
+    team: int
+    odometry: str = BIAS
+
+    @property
+    def name(self) -> str:
+        walks = "" if self.odometry == BIAS else f", {self.odometry.replace('_', ' ')}"
+        return f"{self.kind}{walks}, R = {self.team}"
+
+
+def trials_of(
+    names: Sequence[str], seeds: Sequence[int], huge_seeds: Sequence[int], odometry: str = BIAS
+) -> dict[Group, list[Trial]]:
     return {
-        (name, team): [_trial(KINDS[name], team, seed) for seed in (huge_seeds if name in HUGE else seeds)]
+        Group(name, team, odometry): [
+            _trial(KINDS[name], team, seed, odometry) for seed in (huge_seeds if name in HUGE else seeds)
+        ]
         for name in names
         for team in KINDS[name].teams
     }
 
 
-def _trial(kind: Kind, team: int, seed: int) -> Trial:
+def _trial(kind: Kind, team: int, seed: int, odometry: str) -> Trial:
     trial = load_scenario(kind.scenario).trial(team, STRATEGY, seed, kind.world(seed))
-    return replace(trial, limit=kind.limit or trial.limit)
+    return replace(trial, limit=kind.limit or trial.limit, odometry=odometry)
 
 
-def table(groups: Mapping[tuple[str, int], Sequence[MissionRecord]]) -> list[Row]:
-    """`groups`: records by kind and team size."""
-    return [made for (name, team), records in groups.items() for made in _rows_of(name, team, records)]
+def table(groups: Mapping[Group, Sequence[MissionRecord]]) -> list[Row]:
+    return [made for group, records in groups.items() for made in _rows_of(group, records)]
 
 
-def _rows_of(name: str, team: int, records: Sequence[MissionRecord]) -> list[Row]:
-    what, kind = f"{name}, R = {team}", KINDS[name]
+def _rows_of(group: Group, records: Sequence[MissionRecord]) -> list[Row]:
+    what, kind = group.name, KINDS[group.kind]
     finished = [record for record in records if record.finished]
     late = _named([(record, record.outcome.reason) for record in records if not record.finished])
     rows = [_row(f"{what}: missions that finished", "all", len(finished), f"of {len(records)}",
                  len(finished) == len(records), _times(finished) + late)]  # fmt: skip
-    away = [
-        (record, f"{robot} is {off:.1f} m from home") for record in records for robot, off in _far_from_home(record)
-    ]
+    away = [(record, f"{robot} is {off:.1f} m from home") for record in records for robot, off in far_from_home(record)]
     rows.append(_row(f"{what}: robots that did not get home", "0", len(away), "", not away, _named(away)))
-    touched = [(record, name) for record in records for name, robot in record.robots.items() if robot.collisions.total]
-    rows.append(_row(f"{what}: robots that touched something", "0", len(touched), "", not touched, _named(touched)))
+    touched = [(record, robot, count) for record in records for robot, count in contacts(record).items()]
+    total, who = sum(count for _, _, count in touched), _named([(record, robot) for record, robot, _ in touched])
+    rows.append(_row(f"{what}: robots that touched something", "0", len(touched), "", not touched, who))
+    rows.append(_row(f"{what}: contacts", "0", total, "", not total, ""))
     rows += _wall_rows(what, kind.walls, records)
-    if kind.unrevoked and team > 1:
+    if kind.unrevoked and group.team > 1:
         revoked = [(record, f"{one} of {other} at {at:.0f} s") for record in records for one, other, at in
                    revoked_though_right(record)]  # fmt: skip
         rows.append(_row(f"{what}: right transforms revoked", "0", len(revoked), "", not revoked, _named(revoked)))
@@ -103,32 +119,6 @@ def _wall_rows(what: str, bars: Bars, records: Sequence[MissionRecord]) -> list[
         _row(f"{what}: wrong walls, mean", f"<= {bars[0]:g}", mean, "%", mean <= bars[0], f"{len(maps)} maps"),
         _row(f"{what}: wrong walls, worst", f"<= {bars[1]:g}", worst, "%", worst <= bars[1], bad),
     ]
-
-
-def revoked_though_right(record: MissionRecord) -> list[tuple[str, str, float]]:
-    """Robot, the other one, and when, s, of transforms that were right and were taken back."""
-    found = []
-    for name, robot in record.robots.items():
-        right: dict[str, bool] = {}
-        for merge in robot.merges or ():
-            if merge.accepted:
-                right[merge.partner] = bool(merge.right)
-            elif right.pop(merge.partner, False):
-                found.append((name, merge.partner, merge.at))
-    return found
-
-
-def _far_from_home(record: MissionRecord) -> list[tuple[str, float]]:
-    """Robot and m."""
-    found = []
-    for name, robot in record.survivors.items():
-        series = robot.series
-        if not series.x:
-            continue
-        off = math.dist((series.x[-1], series.y[-1]), robot.start[:2])
-        if off > HOME:
-            found.append((name, off))
-    return found
 
 
 def _times(records: Sequence[MissionRecord]) -> str:

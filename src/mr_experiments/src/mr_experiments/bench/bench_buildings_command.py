@@ -10,12 +10,14 @@ from typing import Sequence
 
 from rich.console import Console
 
-from mr_experiments.bench.bench_buildings import KINDS, table, trials_of
+from mr_experiments.bench.bench_buildings import KINDS, Group, table, trials_of
 from mr_experiments.bench.bench_merging import text_of
 from mr_experiments.bench.mission_set import records_of_all
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.sweep.sweep import default_jobs
 from mr_experiments.trial.trial import TrialError
+from mr_measures.record.mission_record import BIAS, MissionRecord
+from mr_sim.world import ODOMETRY_MODELS
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -34,6 +36,8 @@ def make_parser() -> argparse.ArgumentParser:
         "%(default)s)")  # fmt: skip
     add("--huge-trials", type=int, default=1, metavar="N", help="the same on the floor of 60 m x 60 m, a quarter of an "
         "hour and more each (default: %(default)s)")  # fmt: skip
+    add("--odometry", nargs="+", choices=ODOMETRY_MODELS, default=[BIAS], help="how it errs: missions with each, and "
+        f"rows named so (default: {BIAS})")  # fmt: skip
     add("--first-seed", type=int, default=9301, metavar="S", help="(default: %(default)s)")
     add("--jobs", type=int, default=default_jobs(), metavar="N", help="missions at a time (default: the cores, "
         "%(default)s)")  # fmt: skip
@@ -61,12 +65,22 @@ def _check(options: argparse.Namespace) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
-    first = options.first_seed
-    groups = trials_of(options.only, range(first, first + options.trials), range(first, first + options.huge_trials))
-    trials = [trial for group in groups.values() for trial in group]
-    records = iter(records_of_all(trials, options.out.with_suffix(""), options.jobs, console))
-    rows = table({key: [next(records) for _ in group] for key, group in groups.items()})
+    groups: dict[Group, list[MissionRecord]] = {}
+    for odometry in options.odometry:
+        groups |= _missions(options, odometry, console)
+    rows = table(groups)
     for entry in rows:
         console.print(text_of(entry), highlight=False, markup=False)
     options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     return 0 if all(entry["holds"] for entry in rows) else 1
+
+
+def _missions(options: argparse.Namespace, odometry: str, console: Console) -> dict[Group, list[MissionRecord]]:
+    """With each odometry in a folder of its own, since the names of records do not tell them apart."""
+    first, folder = options.first_seed, options.out.with_suffix("")
+    seeds, huge = range(first, first + options.trials), range(first, first + options.huge_trials)
+    groups = trials_of(options.only, seeds, huge, odometry)
+    trials = [trial for group in groups.values() for trial in group]
+    where = folder if odometry == BIAS else folder / odometry
+    records = iter(records_of_all(trials, where, options.jobs, console))
+    return {key: [next(records) for _ in group] for key, group in groups.items()}

@@ -36,7 +36,8 @@ def table(rows: Sequence[MissionRow], bounds: Bounds) -> list[Row]:
         *(_against_bound(best, bounds, robots, bar) for robots, bar in BOUND_BARS.items()),
         *(_ratios(f"strategy {BEST} over strategy {NEAREST}, R = {robots}: mean T / T", missions, (robots, BEST),
                   (robots, NEAREST), bar) for robots, bar in STRATEGY_BARS.items()),
-        *_fast_over_full(everything), *_coverage(best), _after_known(best), _ends(best), _complete(rows),
+        *_fast_over_full(everything), *_coverage(best), _after_known(best), _ends(best), *_mishaps(rows),
+        _complete(rows),
     ]  # fmt: skip
     return [entry for entry in found if entry is not None]
 
@@ -140,6 +141,18 @@ def _complete(rows: Sequence[MissionRow]) -> Row | None:
     told = ", ".join(f"{m.world} R{m.robots} strategy {m.strategy} {m.status}" for m in others)
     share = 1.0 - len(others) / len(rows)
     return row("missions that finished", "all", share, "of them", not others, f"of {len(rows)} {told}".rstrip())
+
+
+def _mishaps(rows: Sequence[MissionRow]) -> list[Row]:
+    found = []
+    for what, counts in (
+        ("robots that did not get home", [(m, m.not_home) for m in rows]),
+        ("contacts", [(m, m.contacts) for m in rows]),
+    ):
+        where = ", ".join(f"{m.world} R{m.robots} strategy {m.strategy}" for m, count in counts if count)
+        total = sum(count for _, count in counts)
+        found.append(row(what, "0", total, "", not total, f"{len(rows)} missions {where}".rstrip()))
+    return found if rows else []
 
 
 def text_table(rows: Sequence[MissionRow], bounds: Bounds) -> list[str]:

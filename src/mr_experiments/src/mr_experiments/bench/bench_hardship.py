@@ -8,6 +8,7 @@ from typing import Sequence
 import numpy as np
 
 from mr_experiments.bench.bench_merging import Row, row
+from mr_experiments.bench.mishaps import contacts, far_from_home
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
 from mr_measures.record.mission_record import MissionRecord
@@ -63,6 +64,10 @@ def _rows_of(what: str, records: Sequence[MissionRecord]) -> list[Row]:
                         f"{len(shares)} maps"))  # fmt: skip
         rows.append(row(f"{what}: coverage, worst", f">= {WORST_COVERAGE_BAR:g}", worst, "",
                         worst >= WORST_COVERAGE_BAR, ""))  # fmt: skip
+    away = sum(len(far_from_home(record)) for record in records)
+    touched = sum(sum(contacts(record).values()) for record in records)
+    rows.append(row(f"{what}: robots that did not get home", "0", away, "", not away, ""))
+    rows.append(row(f"{what}: contacts", "0", touched, "", not touched, ""))
     return rows
 
 

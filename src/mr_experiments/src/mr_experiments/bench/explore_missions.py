@@ -10,6 +10,7 @@ from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from mr_experiments.bench.mishaps import contacts, far_from_home
 from mr_experiments.trial.bound import bound_of
 from mr_experiments.trial.trial import Trial
 from mr_experiments.trial.trial_world import world_of
@@ -64,7 +65,8 @@ def fast_trials_of(seeds: Sequence[int], robots: Sequence[int], strategy: int, l
 class MissionRow:
     """One mission. `time`: T in s, None if it did not finish. `known_at`: s until the team knew 99 % of what can be
     known, None if it never did. `first_end`: s until the first robot ended. `coverage`: of each robot's final map.
-    `code`: that ran it. `fast`: in fast mode."""
+    `contacts`: of all robots; `not_home`: robots that were not at the end. `code`: that ran it. `fast`: in fast
+    mode."""
 
     world: str
     robots: int
@@ -80,6 +82,8 @@ class MissionRow:
     coverage: tuple[float, ...]
     wrong_walls: tuple[float, ...]
     distance: float  # m, of all robots
+    contacts: int
+    not_home: int
     fast: bool = False
 
     @property
@@ -103,7 +107,8 @@ def row_of(record: MissionRecord) -> MissionRow:
         _known_at(record.team.series), min(ends, default=None),
         tuple(robot.map.coverage or 0.0 for robot in robots),
         tuple(robot.map.wrong_walls or 0.0 for robot in robots),
-        round(sum(robot.distance for robot in robots), 2), asked.fast,
+        round(sum(robot.distance for robot in robots), 2), sum(contacts(record).values()), len(far_from_home(record)),
+        asked.fast,
     )  # fmt: skip
 
 

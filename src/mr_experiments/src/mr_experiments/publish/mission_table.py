@@ -8,6 +8,7 @@ import numpy as np
 
 from mr_experiments.bench.bench_explore import BEST, NEAREST
 from mr_experiments.bench.explore_missions import MissionRow, row_of
+from mr_experiments.bench.mishaps import contacts, far_from_home
 from mr_experiments.common.statistics import mean_interval
 from mr_measures.record.mission_record import BIAS, MissionRecord
 
@@ -51,7 +52,8 @@ def _summary(records: Sequence[MissionRecord]) -> Row:
         "wrong_walls_worst": max(walls, default=None),
         "wrong_maps": sum(share > WRONG_WALLS for share in walls),
         "maps": len(maps),
-        "collisions": sum(robot.collisions.total for robot in robots),
+        "collisions": sum(sum(contacts(record).values()) for record in came_to_a_result),
+        "not_home": sum(len(far_from_home(record)) for record in came_to_a_result),
         "first_seed": min(mission.seed for mission in all_missions),
         "last_seed": max(mission.seed for mission in all_missions),
         "code": " ".join(sorted({mission.code for mission in all_missions})),
