@@ -25,9 +25,11 @@ SETTINGS = {
 
 
 def test_ours_is_measured_by_the_best_peer_and_time_does_not_count() -> None:
-    walls, worst, error = comparison_rows(SETTINGS)
+    walls, worst, error, time, _ = comparison_rows(SETTINGS)
     assert walls["value"] == pytest.approx(3.0) and walls["bar"] == "<= 1 (ICP)" and not walls["holds"]
     assert not worst["holds"]
+    assert error["detail"] == "ICP 0.5, RBPF 0.4; 2 logs"
+    assert (time["bar"], time["holds"], time["detail"]) == ("-", True, "ICP 1, RBPF 1; 2 logs")
     assert error["value"] == pytest.approx(0.2) and error["bar"] == "<= 0.4 (RBPF)" and error["holds"]
 
 

@@ -18,13 +18,14 @@ Row = dict[str, Any]  # what, bar, value, unit, holds, detail
 
 @dataclass(frozen=True)
 class Measure:
-    """A figure of an engine in one setting. `counts`: whether the best engine has to be ours; time per scan does not,
-    for it has a bar of its own."""
+    """A figure of an engine in one setting, over so many logs. `counts`: whether the best engine has to be ours; time
+    per scan does not, for it has a bar of its own."""
 
     name: str
     unit: str
     value: float
     counts: bool = True
+    logs: int = 1
 
 
 Setting = tuple[str, str]  # kind of log, odometry
@@ -34,40 +35,36 @@ Engines = Mapping[str, Sequence[Measure]]  # engine -> its figures, the same one
 def measures_of(results: Sequence[Evaluation]) -> list[Measure]:
     """Of one engine on the logs of one kind."""
     walls = [100.0 * each.wrong_walls for each in results]
+    spent, logs = [each.milliseconds for each in results], len(results)
     return [
-        Measure("wrong walls, mean", "%", float(np.mean(walls))),
-        Measure("wrong walls, worst", "%", max(walls)),
-        Measure("position error, q95", "m", float(np.mean([each.q95_error for each in results]))),
-        *_times([each.milliseconds for each in results]),
-    ]
-
-
-def _times(milliseconds: Sequence[tuple[float, float]]) -> list[Measure]:
-    return [
-        Measure("time per scan, mean", "ms", float(np.mean([mean for mean, _ in milliseconds])), False),
-        Measure("time per scan, worst", "ms", max(worst for _, worst in milliseconds), False),
+        Measure("wrong walls, mean", "%", float(np.mean(walls)), logs=logs),
+        Measure("wrong walls, worst", "%", max(walls), logs=logs),
+        Measure("position error, q95", "m", float(np.mean([each.q95_error for each in results])), logs=logs),
+        Measure("time per scan, mean", "ms", float(np.mean([mean for mean, _ in spent])), False, logs),
+        Measure("time per scan, worst", "ms", max(worst for _, worst in spent), False, logs),
     ]
 
 
 def comparison_rows(settings: Mapping[Setting, Engines]) -> list[Row]:
-    """Whether ours is as good as the best peer, for each setting and measure that counts."""
+    """Whether ours is as good as the best peer, for each setting and measure; one that does not count has no bar."""
     return [
         _row(setting, measure, {name: figures[index] for name, figures in engines.items() if name != OURS})
         for setting, engines in settings.items()
         for index, measure in enumerate(engines[OURS])
-        if measure.counts
     ]
 
 
 def _row(setting: Setting, ours: Measure, peers: Mapping[str, Measure]) -> Row:
     best = min(peers, key=lambda name: peers[name].value)
+    good = math.isfinite(ours.value) and ours.value <= peers[best].value
+    told = ", ".join(f"{name} {peer.value:.3g}" for name, peer in peers.items())
     return {
         "what": f"{ours.name}, {setting[0]}, odometry with {setting[1]}, beside MRPT",
-        "bar": f"<= {peers[best].value:.3g} ({best})",
+        "bar": f"<= {peers[best].value:.3g} ({best})" if ours.counts else "-",
         "value": ours.value,
         "unit": ours.unit,
-        "holds": math.isfinite(ours.value) and ours.value <= peers[best].value,
-        "detail": ", ".join(f"{name} {peer.value:.3g}" for name, peer in peers.items()),
+        "holds": good or not ours.counts,
+        "detail": f"{told}; {ours.logs} log{'s' * (ours.logs != 1)}",
     }
 
 
