@@ -1,7 +1,10 @@
 """Figures in pages come from result files."""
 
 import json
+import os
 import re
+import subprocess
+from datetime import datetime, timezone
 from pathlib import Path
 
 import pytest
@@ -41,7 +44,10 @@ def test_a_table_and_a_value_are_written_anew():
     [
         (marked("value t.csv median where robots=4"), "line 1: t.csv has no column median, but robots, mean"),
         ("\n" + marked("value t.csv mean"), "line 2: 3 rows of t.csv are so; a value needs one"),
-        (marked("figure t.csv mean"), "line 1: 'figure t.csv mean' is neither a table nor the value of one column"),
+        (
+            marked("figure t.csv mean"),
+            "line 1: 'figure t.csv mean' is neither a table, an origin nor the value of one column",
+        ),
         (marked("table t.csv mean where robots"), "line 1: 'robots' behind `where` is no COLUMN=VALUE"),
         ("<!-- published: value t.csv mean -->", "line 1: no <!-- end --> after the marker"),
         (marked('table t.csv "mean'), "line 1: cannot read 'table t.csv \"mean': No closing quotation"),
@@ -129,9 +135,29 @@ def test_the_command_writes_tables_and_pages(tmp_path, capsys):
 def test_of_several_comparisons_the_latest_is_published(tmp_path):
     rows = [{"what": "T", "value": value} for value in (1.1, 0.9)]
     source, table = tmp_path / "agreement.json", tmp_path / "t.csv"
-    source.write_text(json.dumps({"comparisons": [{"rows": [row]} for row in rows]}))
+    source.write_text(json.dumps({"comparisons": [{"rows": [row], "commits": ["abc"]} for row in rows]}))
+    os.utime(source, (0, 86400.0))
     assert publish_command.main(["bench", str(source), str(table)]) == 0
-    assert publish_command.read_table(table) == [{"what": "T", "value": "0.9"}]
+    assert publish_command.read_table(table) == [
+        {"what": "T", "value": "0.9", "measured": "1970-01-02", "commit": "abc"}]  # fmt: skip
+
+
+def test_a_table_tells_when_it_was_measured_and_of_which_code(tmp_path):
+    """Of rows of two files each has its own origin; that of a checkout is the commit that was there then."""
+    asked = ["git", "-C", str(ROOT), "log", "-1", "--format=%h %ct"]
+    commit, moment = subprocess.run(asked, capture_output=True, text=True, check=True).stdout.split()
+    sources = [tmp_path / "a.json", tmp_path / "b.json"]
+    for source, seconds in zip(sources, (10**9, int(moment) + 1)):
+        source.write_text(json.dumps([{"what": source.stem, "value": 1.0}]))
+        os.utime(source, (0, seconds))
+    table, page = tmp_path / "t.csv", tmp_path / "page.md"
+    assert publish_command.main(["bench", *map(str, sources), str(table)]) == 0
+    page.write_text(marked("table t.csv what") + marked("origin t.csv where what=b"))
+    assert publish_command.main(["pages", str(page)]) == 0
+    day = datetime.fromtimestamp(int(moment) + 1, timezone.utc).date().isoformat()
+    both, second = re.findall(r"Measured .*", page.read_text())
+    assert both == f"Measured from 2001-09-09 to {day}, code unknown, {commit}."
+    assert second.startswith(f"Measured on {day}, code {commit}.<!-- end -->")
 
 
 def test_bad_sources_are_one_line(tmp_path, capsys):

@@ -12,6 +12,7 @@ from typing import Any, Mapping, Sequence
 from mr_experiments.bench.explore_missions import read_rows
 from mr_experiments.common.command_line import BAD_CALL, CallError, Parser
 from mr_experiments.publish.mission_table import mission_rows, world_rows
+from mr_experiments.publish.origin import with_origin
 from mr_experiments.publish.published import PublishError, render
 from mr_experiments.report.record_set import is_record, load_record, load_records, refuse_doubles
 from mr_experiments.report.stack_missions import is_of_stack
@@ -25,7 +26,8 @@ def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="publish",
         description="Results for the documentation: tables as CSV from records or from the rows of a benchmark, and "
-        "pages whose marked figures are written anew from such tables.",
+        "pages whose marked figures are written anew from such tables. A table keeps when it was measured, by the "
+        "files that it is made from, and the commit that was there then.",
         epilog="Exit code: 0 done, 1 with --check: a page is out of date, 2 bad options or files. "
         "Example: rosrun mr_experiments publish missions out/paper docs/results/data/paper.csv",
     )
@@ -109,7 +111,7 @@ def _of_missions(folders: Sequence[str]) -> list[dict[str, Any]]:
         raise CallError(str(error)) from None
     if not records:
         raise CallError(f"no records of missions in {', '.join(folders)}")
-    return mission_rows(records)
+    return with_origin(mission_rows(records), [path for folder in folders for path in Path(folder).rglob("*.json")])
 
 
 def _records(folder: Path) -> list[tuple[Path, MissionRecord]]:
@@ -131,19 +133,23 @@ def _of_worlds(files: Sequence[str]) -> list[dict[str, Any]]:
     rows = [row for file in files for row in read_rows(Path(file))]
     if not rows:
         raise CallError(f"no missions in {', '.join(files)}")
-    return world_rows(rows)
+    return with_origin(world_rows(rows), map(Path, files))
 
 
 def _of_bench(files: Sequence[str]) -> list[dict[str, Any]]:
-    rows = [row for file in files for row in _bench_rows(_json(Path(file)))]
+    rows = [row for file in files for row in _bench_rows(Path(file))]
     if not rows or any("what" not in row for row in rows):
         raise CallError(f"{', '.join(files)}: no rows of a benchmark")
     return rows
 
 
-def _bench_rows(found: Any) -> list[dict[str, Any]]:
-    """Of agreement's comparisons, the latest."""
-    return found["comparisons"][-1]["rows"] if isinstance(found, dict) and found.get("comparisons") else list(found)
+def _bench_rows(path: Path) -> list[dict[str, Any]]:
+    """Of agreement's comparisons, the latest, which names its commits."""
+    found = _json(path)
+    if isinstance(found, dict) and found.get("comparisons"):
+        latest = found["comparisons"][-1]
+        return with_origin(latest["rows"], [path], " ".join(latest.get("commits", ())))
+    return with_origin(found, [path])
 
 
 def _json(path: Path) -> Any:

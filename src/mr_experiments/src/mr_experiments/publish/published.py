@@ -4,9 +4,10 @@
     ...
     <!-- end -->
     T of four robots is <!-- published: value data/paper.csv mean|.0f where robots=4 -->104<!-- end --> s.
+    <!-- published: origin data/paper.csv -->Measured on 2026-11-27, code 0123abcd.<!-- end -->
 
-A column is NAME, NAME=HEADING or NAME=HEADING|FORMAT with a format of Python; `where` keeps the rows whose columns have
-these values.
+A table of a CSV that tells its origin is followed by that line; `origin` writes it by itself. A column is NAME,
+NAME=HEADING or NAME=HEADING|FORMAT with a format of Python; `where` keeps the rows whose columns have these values.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ import re
 import shlex
 from dataclasses import dataclass
 from typing import Callable, Mapping, Sequence
+
+from mr_experiments.publish.origin import line_of
 
 MARKED = re.compile(r"(<!-- published: (.*?) -->)(.*?)(<!-- end -->)", re.DOTALL)
 EMPTY = "\N{EN DASH}"
@@ -73,8 +76,10 @@ def _filled(asked: str, read: Read) -> str:
     kept = [row for row in rows if all(row[name] == value for name, value in wanted.items())]
     if kind == "table":
         return _table(columns, kept)
+    if kind == "origin" and not columns:
+        return line_of(kept)
     if kind != "value" or len(columns) != 1:
-        raise PublishError(f"{asked!r} is neither a table nor the value of one column")
+        raise PublishError(f"{asked!r} is neither a table, an origin nor the value of one column")
     if len(kept) != 1:
         raise PublishError(f"{len(kept)} rows of {file} are so; a value needs one")
     return columns[0].shown(kept[0])
@@ -96,4 +101,6 @@ def _condition(word: str) -> tuple[str, str]:
 def _table(columns: Sequence[_Column], rows: Sequence[Row]) -> str:
     lines = [[column.heading for column in columns], ["---"] * len(columns)]
     lines += [[column.shown(row) for column in columns] for row in rows]
-    return "\n\n" + "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n\n"
+    origin = line_of(rows)
+    table = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return f"\n\n{table}\n\n" + (f"{origin}\n\n" if origin else "")
