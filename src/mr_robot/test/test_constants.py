@@ -19,6 +19,19 @@ def test_the_table_of_constants_is_that_of_the_code() -> None:
     assert {name: value for name, value in code.items() if name not in BOUNDS} == _told()
 
 
+def test_the_numbers_with_a_name_are_as_many_as_the_text_says() -> None:
+    told = re.search(r"(\d+) now, counted the same way;\n(\d+) without .*, (\d+) without the bounds", _text())
+    assert told
+    modules = [ast.parse(path.read_text()) for path in sorted((ROOT / "src/mr_robot/navigation").glob("*.py"))]
+    values = [node.value for module in modules for node in module.body if isinstance(node, (ast.Assign, ast.AnnAssign))]
+    named = sum(any(_is_constant(part) for part in ast.walk(value)) for value in values if value)
+    compiled = re.findall(r"constexpr \S+ k\w+ = ([^;]*);", _cpp())
+    plain = [value for value in compiled if re.fullmatch(r"\d[\d.e-]*F?", value)]
+    assert int(told[1]) == named + sum(bool(re.search(r"\d", value)) for value in compiled)
+    assert int(told[2]) == len(_of_python()) + len(plain)
+    assert int(told[3]) == len(_told())
+
+
 def _of_python() -> Dict[str, float]:
     found = {}
     for path in sorted((ROOT / "src/mr_robot/navigation").glob("*.py")):
@@ -34,17 +47,28 @@ def _of_python() -> Dict[str, float]:
     return found
 
 
+def _is_constant(part: ast.AST) -> bool:
+    return isinstance(part, ast.Constant) and _is_number(part.value)
+
+
 def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _of_cpp() -> Dict[str, float]:
-    texts = [path.read_text() for path in sorted((ROOT / "src/cpp/navigation").glob("*.[ch]pp"))]
-    found = re.findall(r"constexpr \S+ (k\w+) = (\d[\d.e-]*)F?;", "\n".join(texts))
-    assert not re.findall(r"constexpr \S+ k\w+\[", "\n".join(texts)), "one name for each number"
+    found = re.findall(r"constexpr \S+ (k\w+) = (\d[\d.e-]*)F?;", _cpp())
+    assert not re.findall(r"constexpr \S+ k\w+\[", _cpp()), "one name for each number"
     return {name: float(value) for name, value in found}
 
 
+def _cpp() -> str:
+    return "\n".join(path.read_text() for path in sorted((ROOT / "src/cpp/navigation").glob("*.[ch]pp")))
+
+
+def _text() -> str:
+    return (ROOT / "docs/slam_and_navigation.md").read_text()
+
+
 def _told() -> Dict[str, float]:
-    rows = re.findall(r"^\| `(\w+)` \| ([\d.]+) \| ", (ROOT / "docs/slam_and_navigation.md").read_text(), re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+)` \| ([\d.]+) \| ", _text(), re.MULTILINE)
     return {name: float(value) for name, value in rows}
