@@ -645,6 +645,33 @@ def test_what_wheels_slipped_is_no_way_between_keyframes() -> None:
     assert math.dist(estimate[:2], pose[:2]) < 0.06
 
 
+def blind_alley(length: float, pose: Pose) -> LaserScan:
+    """The corridor, closed 1 m behind the start and `length` m before it."""
+    scan = corridor(pose)
+    direction = np.cos(scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges)) + pose.yaw)
+    with np.errstate(divide="ignore"):
+        ends = np.where(direction > 0.0, (length - pose.x) / direction, (1.0 + pose.x) / -direction)
+    return replace(scan, ranges=np.minimum(scan.ranges, ends).astype(np.float32))
+
+
+@pytest.mark.parametrize("length", [12.25, 12.5, 12.75, 13.0])
+def test_a_robot_that_sees_where_it_began_draws_its_map_anew_before_it_is_there(length: float) -> None:
+    """What wheels lost on the first metres waited for the third keyframe: a mission ended before, and all but the start
+    was drawn 0.2 m off. Of 0.2 m lost on one of two ways the map has a half to bear."""
+    turn, ahead, far = Pose(0.0, 0.0, math.pi / 40), Pose(0.05, 0.0, 0.0), round((length - 1.5) / 0.05)
+    near = far - round(1.75 / 0.05)
+    steps = [(Pose(), 0.0), *[(turn, 0.0)] * 80] + [(ahead, 0.002)] * 100 + [(ahead, 0.0)] * (far - 100)
+    steps += [(turn, 0.0)] * 40 + [(ahead, 0.0)] * near
+    slam, pose, odometry = Slam(), Pose(), Pose()
+    for index, (moved, lost) in enumerate(steps):
+        pose = Pose(pose.x + math.copysign(moved.x, math.cos(pose.yaw)), 0.0, pose.yaw + moved.yaw)
+        odometry = odometry.compose(Pose(moved.x + lost, 0.0, moved.yaw))
+        slam.process(blind_alley(length, pose), odometry, 0.1 * index)
+    walls = slam.map().info.centres_of(np.argwhere(slam.map().cells == 100))
+    end = walls[(np.abs(walls[:, 1]) < 0.8) & (walls[:, 0] > length - 0.5)]
+    assert end[:, 0].mean() - length < 0.15
+
+
 @pytest.mark.parametrize("radius", [0.17, 0.4])
 def test_the_ground_under_the_robot_is_free_as_far_as_it_reaches(radius: float) -> None:
     slam = Slam(SlamOptions(free_radius=radius))

@@ -85,7 +85,21 @@ void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const 
   graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
   graph_.link_odometry(next, motion, model.deviation_of_way(way - last.way));
   link_by_scan(next, pose, match, kFloor);
+  // The correction is not to wait for more keyframes: the robot may be home, and there are none to come.
+  const bool told = told_long_ago(match);
+  if (told && !told_) solved_ = 0;
+  told_ = told;
   keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
+}
+
+// Whether surfaces of long ago tell the position of a scan, in every direction.
+bool Memory::told_long_ago(const Match& match) const {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  for (const auto& [origin, evidence] : match.origins) {
+    if (origin <= long_ago_) information += evidence.information.topLeftCorner<2, 2>();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(information, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()(0) * kMoved * kMoved > 1.0;
 }
 
 void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor) {

@@ -57,6 +57,7 @@ class Memory {
 
   void open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
   void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
+  bool told_long_ago(const Match& match) const;
   bool due(const Pose& pose) const;
   Scan scan_of(const Kept& kept) const;
   Scan lately() const;
@@ -73,6 +74,7 @@ class Memory {
   std::vector<Keyframe> keyframes_;
   std::optional<Redrawing> redrawing_;
   int long_ago_ = -1;         // last keyframe that the way since then has led far from
+  bool told_ = false;         // surfaces of long ago told the position of the last keyframe
   std::optional<Pose> loop_;  // what the last keyframe says: the frame of its drawn pose in that of the old surfaces
   std::size_t solved_ = 0;    // keyframes when the last solution was begun
   int iterations_ = 0;        // left of it
