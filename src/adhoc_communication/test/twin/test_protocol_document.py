@@ -1,5 +1,6 @@
 """The examples in docs/protocol.md are those of docs/protocol_vectors.json. With --write, they are put there."""
 
+import ast
 import json
 import re
 import sys
@@ -80,6 +81,22 @@ def test_timers_of_the_document_are_those_of_the_code() -> None:
     text = (DOCUMENTS / "states.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| .* \| (\d+ [mu]?s) \| (`\S+` `k\w+`) \|$", text, flags=re.M)
     assert {place: value for value, place in rows} == durations_in_the_code()
+
+
+def lines_of_code(path: Path) -> int:
+    """Without docstrings, comments and blank lines."""
+    text = path.read_text(encoding="utf-8")
+    described = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    nodes = [node for node in ast.walk(ast.parse(text)) if isinstance(node, described) and ast.get_docstring(node)]
+    docstrings = {line for node in nodes for line in range(node.body[0].lineno, node.body[0].end_lineno + 1)}
+    rest = [line.strip() for number, line in enumerate(text.splitlines(), start=1) if number not in docstrings]
+    return sum(bool(line) and not line.startswith("#") for line in rest)
+
+
+def test_a_robot_that_knows_no_groups_is_a_small_program():
+    said = re.search(r"`frames.py` and `robot.py`, less than (\d+) lines", DOCUMENT.read_text(encoding="utf-8"))
+    twin = Path(__file__).parent
+    assert said and sum(lines_of_code(twin / name) for name in ("frames.py", "robot.py")) < int(said.group(1))
 
 
 if __name__ == "__main__" and sys.argv[1:] == ["--write"]:
