@@ -25,10 +25,7 @@ std::optional<FrameHeader> read_header(Reader& reader) {
   if (reader.u8() != kVersion) return std::nullopt;
   FrameHeader header;
   const std::uint8_t type = reader.u8();
-  if (type < static_cast<std::uint8_t>(FrameType::kBeacon) ||
-      type > static_cast<std::uint8_t>(FrameType::kRouteReplyAcknowledgment)) {
-    return std::nullopt;
-  }
+  if (type < static_cast<std::uint8_t>(FrameType::kBeacon) || type >= Statistics::kFrameTypes) return std::nullopt;
   header.type = static_cast<FrameType>(type);
   header.flags = reader.u8();
   if ((header.flags & ~(kSealed | kWantsAcknowledgment | kAcknowledgeNow)) != 0) return std::nullopt;

@@ -1,4 +1,5 @@
 // make_corpus FOLDER: inputs for the fuzzers below FOLDER, taken from what a small team puts on the air.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -6,8 +7,8 @@
 
 #include "multicast/groups.hpp"
 #include "operations.hpp"
-#include "pair_of_engines.hpp"
 #include "payloads.hpp"
+#include "play.hpp"
 #include "simulation/team.hpp"
 #include "transport/packet_image.hpp"
 #include "wire/frame_header.hpp"
@@ -19,7 +20,8 @@ using namespace std::chrono_literals;
 using fuzz::Operation;
 
 constexpr std::size_t kMostOfOneType = 6;
-constexpr std::size_t kFramesInOneInput = 12;
+constexpr std::size_t kLongestInput = 600;  ///< of fuzz_engine, as run_fuzz.py lets them be
+constexpr std::size_t kStepsBetweenInputs = 16;
 
 class Corpus {
  public:
@@ -117,28 +119,144 @@ void append(Bytes& input, Operation operation, std::initializer_list<std::uint8_
   input.insert(input.end(), operands);
 }
 
-/// The frame as robot 0 of the fuzzer would hear it.
-void append_frame(Bytes& input, const Frame& frame) {
-  const Bytes body = body_of(frame);
-  if (body.size() > 255) return;
-  const bool everybody = frame.destination == wire::kEverybody;
-  const auto sender = static_cast<std::uint8_t>(1 + frame.source[5]);
-  append(input, Operation::kFrame,
-         {0, sender, static_cast<std::uint8_t>(frame.bytes[1] - 1),
-          static_cast<std::uint8_t>(frame.bytes[2] | (everybody ? 0x40 : 0)), frame.bytes[wire::kHeaderSize - 1],
-          static_cast<std::uint8_t>(body.size())});
-  input.insert(input.end(), body.begin(), body.end());
+/// What happens to robot 0 of a team in a line, as operations of the fuzzer. Its robot 1, which is an engine, is out of
+/// reach of this team; the others are strangers there.
+class LifeOfARobot {
+ public:
+  struct Step {
+    Time at;
+    std::size_t beacon_of;  ///< a stranger; 0: anything else
+    Bytes operation;
+  };
+
+  /// `place`: of robot 0 in the line of four. Without repetition on each hop, replies of routes are acknowledged.
+  LifeOfARobot(std::size_t place, bool hops_repeat) : team_(medium(), 5) {
+    EngineOptions options;
+    options.max_frame_size = 300;
+    if (!hops_repeat) options.num_link_retrans = 0;
+    std::vector<std::size_t> line = {2, 3, 4};
+    line.insert(line.begin() + static_cast<std::ptrdiff_t>(place), 0);
+    for (std::size_t robot = 0; robot < line.size() + 1; ++robot) {
+      const auto at = std::find(line.begin(), line.end(), robot);
+      team_.add(options, at == line.end() ? kFarAway : kSpacing * static_cast<double>(at - line.begin()));
+    }
+    team_.on_frame = [this](Medium::Node node, const Frame& frame) { hear(node, frame); };
+  }
+
+  std::vector<Step> live() {
+    team_.run_for(3s);
+    send(0, 4, 0, 600);
+    send(4, 0, 0, 600);
+    send(0, 0, kGroup, 700);
+    send(3, 3, kGroup, 300);
+    send(2, 4, kGroup, 100);
+    team_.send(3, "", noise(500));
+    team_.engine(2).broadcast({"topic", 'A', text("flood"), 3}, team_.now());
+    team_.run_for(1s);
+    team_.kill(3);
+    send(0, 4, 0, 20);
+    team_.run_for(2s);
+    team_.restart(3);
+    send(2, 0, kGroup, 900);
+    team_.run_for(3s);
+    return std::move(steps_);
+  }
+
+ private:
+  static constexpr std::uint8_t kGroup = 0x80;
+  static constexpr double kSpacing = 8.0, kFarAway = 1000.0;
+
+  static MediumOptions medium() {
+    MediumOptions medium;
+    medium.loss = 0.1;
+    return medium;
+  }
+
+  void send(std::size_t from, std::size_t to, std::uint8_t flags, std::uint16_t size) {
+    team_.send(from, (flags == kGroup ? "mc_" : "") + Team::name(to), noise(size));
+    if (from != 0) return;
+    Bytes operation;
+    append(operation, Operation::kSend,
+           {0, static_cast<std::uint8_t>(flags | to), 1, static_cast<std::uint8_t>(size >> 8),
+            static_cast<std::uint8_t>(size & 0xff)});
+    steps_.push_back({team_.now(), 0, operation});
+  }
+
+  void hear(Medium::Node node, const Frame& frame) {
+    if (node != 0 || (frame.destination != wire::kEverybody && frame.destination != Team::address(0))) return;
+    const Bytes body = with_boots_of_the_fuzzer(body_of(frame));
+    if (body.size() > 255) return;
+    const std::size_t sender = frame.source[5];
+    const bool everybody = frame.destination == wire::kEverybody, later_run = team_.boots(sender) > 1;
+    Bytes operation;
+    append(operation, Operation::kFrame,
+           {0, static_cast<std::uint8_t>(sender), static_cast<std::uint8_t>(frame.bytes[1] - 1),
+            static_cast<std::uint8_t>(frame.bytes[2] | (everybody ? 0x40 : 0) | (later_run ? 0x80 : 0)),
+            frame.bytes[wire::kHeaderSize - 1], static_cast<std::uint8_t>(body.size())});
+    operation.insert(operation.end(), body.begin(), body.end());
+    const bool beacon = frame.bytes[1] == static_cast<std::uint8_t>(wire::FrameType::kBeacon);
+    steps_.push_back({team_.now(), beacon ? sender : 0, operation});
+  }
+
+  /// Bodies name runs of robots; those of this team are not those of the fuzzer.
+  Bytes with_boots_of_the_fuzzer(Bytes body) {
+    for (std::size_t robot = 0; robot < team_.size(); ++robot) {
+      boots_[team_.boot_id(robot)] = fuzz::PairOfEngines::boot_id(robot, robot == 0 || team_.boots(robot) == 1 ? 1 : 0);
+    }
+    for (const auto& [team, fuzzer] : boots_) {
+      for (auto at = body.begin();;) {
+        at = std::search(at, body.end(), team.begin(), team.begin() + kBootTag);
+        if (at == body.end()) break;
+        at = std::copy_n(fuzzer.begin(), kBootTag, at);
+      }
+    }
+    return body;
+  }
+
+  static constexpr std::size_t kBootTag = sizeof(wire::BootTag);
+  Team team_;
+  std::map<BootId, BootId> boots_;
+  std::vector<Step> steps_;
+};
+
+/// One input: robot 0 learns who is there, then steps from `first` on, at their pace, as many as there is room for.
+Bytes play_from(const std::vector<LifeOfARobot::Step>& steps, std::size_t first) {
+  Bytes input;
+  std::size_t operations = 0;
+  for (std::uint8_t stranger = 2; stranger <= 4; ++stranger) {
+    const auto beacon =
+        std::find_if(steps.begin(), steps.end(), [&](const auto& step) { return step.beacon_of == stranger; });
+    if (beacon == steps.end()) continue;
+    input.insert(input.end(), beacon->operation.begin(), beacon->operation.end());
+    ++operations;
+  }
+  Time at = steps[first].at;
+  for (std::size_t i = first; i < steps.size() && operations + 2 <= fuzz::kMostOperations; ++i) {
+    if (input.size() + 2 + steps[i].operation.size() > kLongestInput) break;
+    const auto gap = std::min<Time::rep>((steps[i].at - at) / Time(1ms), 100);
+    if (gap > 0) {
+      append(input, Operation::kAdvance, {static_cast<std::uint8_t>(gap)});
+      ++operations;
+    }
+    at = steps[i].at;
+    input.insert(input.end(), steps[i].operation.begin(), steps[i].operation.end());
+    ++operations;
+  }
+  return input;
 }
 
-void add_operations(Corpus& corpus, const std::vector<Frame>& frames) {
-  for (std::size_t first = 0; first + kFramesInOneInput < frames.size() && first < 1000; first += 37) {
-    Bytes input;
-    for (std::size_t i = 0; i < kFramesInOneInput; ++i) {
-      append_frame(input, frames[first + i]);
-      if (i % 4 == 3) append(input, Operation::kAdvance, {50});
+void add_lives(Corpus& corpus) {
+  for (std::size_t place = 0; place < 4; ++place) {
+    for (const bool hops_repeat : {true, false}) {
+      const std::vector<LifeOfARobot::Step> steps = LifeOfARobot(place, hops_repeat).live();
+      for (std::size_t first = 0; first < steps.size(); first += kStepsBetweenInputs) {
+        corpus.add("fuzz_engine", play_from(steps, first));
+      }
     }
-    corpus.add("fuzz_engine", input);
   }
+}
+
+void add_operations(Corpus& corpus) {
   Bytes input;
   append(input, Operation::kAdvance, {200});
   append(input, Operation::kSend, {0, 1, 2, 0x10, 0});
@@ -170,5 +288,6 @@ int main(int argc, char** argv) {
   add_bodies(corpus, frames);
   add_images(corpus);
   add_texts(corpus);
-  add_operations(corpus, frames);
+  add_lives(corpus);
+  add_operations(corpus);
 }

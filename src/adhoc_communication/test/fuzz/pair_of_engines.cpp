@@ -5,7 +5,6 @@
 #include <string>
 
 #include "adhoc_communication/compression.hpp"
-#include "wire/frame_header.hpp"
 
 namespace adhoc_communication::fuzz {
 namespace {
@@ -101,15 +100,22 @@ void PairOfEngines::hear_frame(Operands& operands) {
   const std::uint8_t flags = operands.u8();
   if (sender == robot) return;
   wire::FrameHeader header;
-  header.type = static_cast<wire::FrameType>(1 + type % static_cast<std::uint8_t>(wire::FrameType::kFlood));
+  header.type = static_cast<wire::FrameType>(1 + type % (Statistics::kFrameTypes - 1));
   header.flags = flags & (wire::kWantsAcknowledgment | wire::kAcknowledgeNow);
   header.sender = address(sender);
   header.boot_id = boot_id(sender, (flags & 0x80) != 0 ? 0 : 1);
   header.counter = ++counter_;
   header.next_hop = (flags & 0x40) != 0 ? wire::kEverybody : address(robot);
   header.link_sequence = operands.u8();
-  const Bytes body = operands.octets(operands.u8());
-  robots_[robot].engine->receive({header.next_hop, header.sender, wire::close_openly(header, body)}, now_);
+  hear(robot, header, operands.octets(operands.u8()));
+}
+
+void PairOfEngines::hear(std::size_t robot, const wire::FrameHeader& header, const Bytes& body) {
+  Engine& engine = *robots_[robot].engine;
+  const auto type = static_cast<std::size_t>(header.type);
+  const std::uint64_t before = engine.statistics().frames_received_by_type[type];
+  engine.receive({header.next_hop, header.sender, wire::close_openly(header, body)}, now_);
+  if (engine.statistics().frames_received_by_type[type] > before) taken_.insert(header.type);
 }
 
 void PairOfEngines::hear_raw(Operands& operands) {

@@ -9,6 +9,7 @@
 #include "adhoc_communication/engine.hpp"
 #include "operations.hpp"
 #include "random.hpp"
+#include "wire/frame_header.hpp"
 
 namespace adhoc_communication::fuzz {
 
@@ -20,6 +21,9 @@ class PairOfEngines {
   void carry_out(Operands& operands);
   /// Every send has to end by itself.
   void finish();
+
+  /// Types of the fuzzer's own frames that an engine took, checksum and sender being right.
+  const std::set<wire::FrameType>& taken() const { return taken_; }
 
   static MacAddress address(std::size_t robot) { return {2, 0, 0, 0, 0, static_cast<std::uint8_t>(robot)}; }
   static BootId boot_id(std::size_t robot, int run);
@@ -33,6 +37,7 @@ class PairOfEngines {
 
   void boot(std::size_t robot);
   void hear_frame(Operands& operands);
+  void hear(std::size_t robot, const wire::FrameHeader& header, const Bytes& body);
   void hear_raw(Operands& operands);
   void send(Operands& operands);
   void flood(Operands& operands);
@@ -51,6 +56,7 @@ class PairOfEngines {
   Time played_{0};
   int loss_ = 0;  ///< of 256
   std::uint64_t counter_ = 0;
+  std::set<wire::FrameType> taken_;
 };
 
 }  // namespace adhoc_communication::fuzz

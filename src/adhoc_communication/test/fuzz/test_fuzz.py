@@ -1,5 +1,6 @@
 """What the fuzzers have been given so far, and variants of it: no crash, no broken promise."""
 
+import json
 import os
 import subprocess
 import sys
@@ -11,18 +12,29 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import run_fuzz
 
 HERE = Path(__file__).resolve().parent
-VARIANTS = {"fuzz_engine": 4000}  # of each stored input; two engines take longer than a parser
-MOST_VARIANTS = 100_000
+VECTORS = HERE.parent.parent / "docs" / "protocol_vectors.json"
+VARIANTS = 100_000  # of each stored input
+VARIANTS_OF_ALL = {"fuzz_engine": 60_000}  # inputs together; two engines take longer than a parser
 
 
 @pytest.mark.parametrize("target", run_fuzz.TARGETS)
 def test_nothing_is_found(target):
-    corpus, variants = HERE / "corpus" / target, VARIANTS.get(target, MOST_VARIANTS)
+    corpus = HERE / "corpus" / target
+    inputs = len(list(corpus.iterdir()))
+    variants = VARIANTS_OF_ALL[target] // inputs if target in VARIANTS_OF_ALL else VARIANTS
     replay = Path(os.environ["FUZZ_REPLAY"]) / f"replay_{target}"
     command = [str(replay), str(run_fuzz.TARGETS[target]), str(variants), str(corpus)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout[-4000:]}"
-    assert done.stdout == f"{len(list(corpus.iterdir())) * (1 + variants)} inputs\n"
+    assert done.stdout == f"{inputs * (1 + variants)} inputs\n"
+
+
+def test_frames_of_all_types_reach_the_engines():
+    """Made by the fuzzer; from inputs with none of a type it would hardly ever come to one."""
+    command = [str(Path(os.environ["FUZZ_REPLAY"]) / "corpus_types"), str(HERE / "corpus" / "fuzz_engine")]
+    taken = subprocess.run(command, stdout=subprocess.PIPE, check=True, timeout=120).stdout
+    frames = json.loads(VECTORS.read_text())["frames"]
+    assert {int(line) for line in taken.split()} == {example["header"]["type"] for example in frames}
 
 
 def test_without_clang_one_sentence_says_what_to_do(monkeypatch, tmp_path):

@@ -56,21 +56,21 @@ class EventTrace {
     char start[32];
     std::snprintf(start, sizeof start, "%10.6f ", static_cast<double>(line.at.count()) * 1e-9);
     if (line.verb == nullptr) return start + line.note;
-    static constexpr std::array<const char*, 15> kTypes = {"unknown",
-                                                           "beacon",
-                                                           "route request",
-                                                           "route reply",
-                                                           "route error",
-                                                           "hop acknowledgment",
-                                                           "data",
-                                                           "transport acknowledgment",
-                                                           "broadcast data",
-                                                           "flood",
-                                                           "group activation",
-                                                           "group refusal",
-                                                           "group data",
-                                                           "group report",
-                                                           "route reply acknowledgment"};
+    static constexpr std::array<const char*, Statistics::kFrameTypes> kTypes = {"unknown",
+                                                                                "beacon",
+                                                                                "route request",
+                                                                                "route reply",
+                                                                                "route error",
+                                                                                "hop acknowledgment",
+                                                                                "data",
+                                                                                "transport acknowledgment",
+                                                                                "broadcast data",
+                                                                                "flood",
+                                                                                "group activation",
+                                                                                "group refusal",
+                                                                                "group data",
+                                                                                "group report",
+                                                                                "route reply acknowledgment"};
     wire::Reader reader(line.header.data(), line.header.size());
     const auto header = wire::read_header(reader);
     const std::string frame = header ? std::string(kTypes[static_cast<std::size_t>(header->type)]) + " of " +
