@@ -67,6 +67,20 @@ def record(robots, seed, time, **differences):
     return made_mission([robot] * robots, time=time, settings=settings, series=series, versions={"code": "abc"})
 
 
+def test_a_benchmark_updates_its_own_rows_of_a_table(tmp_path):
+    table, rows = tmp_path / "t.csv", tmp_path / "rows.json"
+
+    def publish(*found, update):
+        rows.write_text(json.dumps([{"what": what, "value": value} for what, value in found]))
+        arguments = ["bench", str(rows), str(table), *(["--update"] if update else [])]
+        assert publish_command.main(arguments) == 0
+        return [(row["what"], row["value"]) for row in publish_command.read_table(table)]
+
+    publish(("long", 600), ("short", 1), update=False)
+    assert publish(("short", 2), ("new", 3), update=True) == [("long", "600"), ("short", "2"), ("new", "3")]
+    assert publish(("short", 2), update=False) == [("short", "2")]
+
+
 def test_missions_of_a_kind_make_one_row():
     records = [
         record(2, 1, 100.0),

@@ -12,9 +12,15 @@ namespace adhoc_communication::bench {
 namespace {
 
 const std::vector<std::pair<std::string, std::function<void(const Effort&, Rows&)>>> kParts = {
-    {"intact", measure_intact},           {"goodput", measure_goodput}, {"multicast", measure_multicast},
-    {"mixed_rates", measure_mixed_rates}, {"routes", measure_routes},   {"idle", measure_idle},
-    {"priority", measure_priority},       {"mobile", measure_mobile}};
+    {"intact", measure_intact},
+    {"base", measure_base},
+    {"goodput", measure_goodput},
+    {"multicast", measure_multicast},
+    {"mixed_rates", measure_mixed_rates},
+    {"routes", measure_routes},
+    {"idle", measure_idle},
+    {"priority", measure_priority},
+    {"mobile", measure_mobile}};
 
 int run(const std::string& part, const Effort& effort, const std::string& file) {
   Rows rows(file);

@@ -55,6 +55,7 @@ double ideal_sends(int frames, int children, double loss);
 
 // Each measures one group of rows.
 void measure_intact(const Effort& effort, Rows& rows);
+void measure_base(const Effort& effort, Rows& rows);
 void measure_goodput(const Effort& effort, Rows& rows);
 void measure_multicast(const Effort& effort, Rows& rows);
 void measure_mixed_rates(const Effort& effort, Rows& rows);

@@ -175,6 +175,9 @@ void measure_intact(const Effort& effort, Rows& rows) {
   for (const std::size_t hops : {1, 3, 10}) {
     for (const double loss : {0.0, 0.1, 0.3}) rows.add(transfer(hops, loss, effort.trials));
   }
+}
+
+void measure_base(const Effort& effort, Rows& rows) {
   rows.add(six_to_one_base(std::max(10, effort.trials / 2)));
 }
 

@@ -40,6 +40,8 @@ def make_parser() -> argparse.ArgumentParser:
         add = commands.add_parser(name, help=about, description=f"Writes {about}.").add_argument
         add("sources", nargs="+", metavar=source)
         add("table", metavar="TABLE.csv", help="file to write")
+        if name == "bench":
+            add("--update", action="store_true", help="leave the other rows of the table as they are")
     pages = commands.add_parser("pages", help="write the marked figures of pages anew")
     pages.add_argument("pages", nargs="+", metavar="PAGE.md")
     pages.add_argument("--check", action="store_true", help="write nothing; name the pages that are out of date")
@@ -53,6 +55,8 @@ def main(arguments: Sequence[str]) -> int:
         if options.command == "pages":
             return publish_pages([Path(page) for page in options.pages], options.check)
         rows = {"missions": _of_missions, "worlds": _of_worlds, "bench": _of_bench}[options.command](options.sources)
+        if options.command == "bench" and options.update:
+            rows = updated(read_table(Path(options.table)), rows)
         write_table(Path(options.table), rows)
     except (CallError, PublishError) as error:
         print(f"publish: {error}", file=sys.stderr)
@@ -84,6 +88,13 @@ def publish_pages(pages: Sequence[Path], check: bool) -> int:
 def read_table(path: Path) -> list[dict[str, str]]:
     with path.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
+
+
+def updated(before: Sequence[Row], rows: Sequence[Row]) -> list[Row]:
+    """The rows of before; of those measured anew, by `what`, what was measured; what is new behind them."""
+    new = {str(row["what"]): row for row in rows}
+    kept = [new.pop(str(row["what"]), row) for row in before]
+    return kept + list(new.values())
 
 
 def write_table(path: Path, rows: Sequence[Row]) -> None:
