@@ -7,6 +7,7 @@ Run by catkin; by hand: /usr/bin/python3 test_raw_sockets.py [-k test_name]
 import ctypes
 import errno
 import os
+import pathlib
 import select
 import socket
 import stat
@@ -179,6 +180,31 @@ class Bands(unittest.TestCase):
     def test_the_node_has_a_socket_of_higher_priority(self):
         with Team(["robot_0"]) as team:
             self.assertEqual(sorted(priorities_of_packet_sockets(team["robot_0"].node.pid)), [0, 256 + 6])
+
+
+class Capabilities(unittest.TestCase):
+    """Raised while sockets are opened, and else not: what takes over the node later cannot listen to other traffic."""
+
+    NET_ADMIN, NET_RAW = 1 << 12, 1 << 13
+
+    def test_none_is_in_effect_while_the_node_works(self):
+        with Team(["robot_0", "robot_1"]) as team:
+            team.wait_for_robots()
+            held = capabilities_of(team["robot_0"].node.pid)
+        self.assertTrue(held["CapPrm"] & self.NET_RAW, "nothing to lower")
+        self.assertTrue(capabilities_of(os.getpid())["CapEff"] & self.NET_RAW, "what is in effect is seen")
+        self.assertFalse(held["CapEff"] & (self.NET_RAW | self.NET_ADMIN))
+
+
+def capabilities_of(pid):
+    """Sets of the process, as bits. Any of its threads may hold other ones: all of them together."""
+    held = {}
+    for status in pathlib.Path(f"/proc/{pid}/task").glob("*/status"):
+        for line in status.read_text().splitlines():
+            name, _, value = line.partition(":")
+            if name.startswith("Cap"):
+                held[name] = held.get(name, 0) | int(value, 16)
+    return held
 
 
 def priorities_of_packet_sockets(pid):

@@ -1,11 +1,42 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
+#include <new>
 
 #include "node/key_file.hpp"
+#include "security/cipher.hpp"
+
+namespace {
+
+/// Memory in which this stands is counted when it is given back.
+std::atomic<const char*> watched_secret{nullptr};
+std::atomic<int> secrets_given_back{0};
+
+void give_back(void* memory) {
+  const char* secret = watched_secret;
+  if (memory != nullptr && secret != nullptr &&
+      memmem(memory, malloc_usable_size(memory), secret, strlen(secret)) != nullptr) {
+    ++secrets_given_back;
+  }
+  std::free(memory);
+}
+
+}  // namespace
+
+void operator delete(void* memory) noexcept { give_back(memory); }
+void operator delete(void* memory, std::size_t) noexcept { give_back(memory); }
+void* operator new(std::size_t size) {
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
 
 namespace adhoc_communication {
 namespace {
@@ -55,6 +86,29 @@ TEST_F(KeyFile, FaultsNameTheFileAndTheLine) {
   EXPECT_NE(refusal().find("holds no key"), std::string::npos) << refusal();
   write(key_ + "\n" + key_ + "\n" + key_ + "\n" + key_ + "\n" + key_ + "\n");
   EXPECT_NE(refusal().find("more than 4"), std::string::npos) << refusal();
+}
+
+/// Part of a line; the text comes to the file without passing through memory that could be mistaken for a remnant.
+TEST_F(KeyFile, NothingOfTheKeysStaysInMemoryGivenBack) {
+  static constexpr char kText[] = "5ec2e75ec2e75ec2e75ec2e75ec2e75ec2e75ec2e75ec2e75ec2e75ec2e75ec2\n";
+  static constexpr char kOctets[] = "\x5e\xc2\xe7\x5e\xc2\xe7\x5e\xc2\xe7\x5e\xc2\xe7";
+  const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0600);
+  ASSERT_EQ(::write(file, kText, sizeof kText - 1), static_cast<ssize_t>(sizeof kText - 1));
+  close(file);
+  for (const char* secret : {&kText[8], &kOctets[0]}) {
+    const std::string watched(secret, 12);
+    watched_secret = watched.c_str();
+    std::vector<TeamKey> keys = read_key_file(path_);
+    EXPECT_EQ(keys.at(0)[0], 0x5e);
+    security::wipe(keys);
+    watched_secret = nullptr;
+  }
+  EXPECT_EQ(secrets_given_back, 0);
+  static std::string leak(kText);
+  watched_secret = &kText[60];
+  std::string(std::move(leak)) += std::string(200, ' ');
+  watched_secret = nullptr;
+  EXPECT_GT(secrets_given_back, 0) << "what is left behind is seen";
 }
 
 TEST_F(KeyFile, AChangeIsSeenOnce) {
