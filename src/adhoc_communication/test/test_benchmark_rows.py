@@ -1,5 +1,7 @@
 """What a benchmark that is interrupted leaves behind, and what is published."""
 
+import importlib.machinery
+import importlib.util
 import json
 import re
 import subprocess
@@ -57,3 +59,31 @@ def test_a_target_publishes_its_own_rows_only():
         assert "publish bench --update" in commands(target), target
     assert "--minutes" not in commands("bench-adhoc"), "the rows of ten minutes are those of bench-adhoc-long"
     assert "--minutes 10 " in commands("bench-adhoc-long")
+
+
+def program(name):
+    """A script of this package, as a module."""
+    path = str(REPOSITORY / "src/adhoc_communication/scripts" / name)
+    loader = importlib.machinery.SourceFileLoader(name, path)
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
+
+
+def report(peak, failed=()):
+    tests = [{"name": name, **({"failures": ["x"]} if name in failed else {})} for name in ("Bombs", "Replays")]
+    return {"testsuites": [{"peak_kilobytes": str(peak), "testsuite": tests}]}
+
+
+def test_the_worst_seed_of_the_adversaries_counts():
+    bench = program("bench_adversaries")
+    reports = [report(20_000), report(64_100), report(30_000)]
+    row = bench.memory_row("open team", reports)
+    assert (row["value"], row["holds"]) == (64.1, False)
+    assert bench.memory_row("open team", reports[:1])["holds"]
+    assert not bench.memory_row("open team", [{"tests": 0}])["holds"], "nothing was played"
+    row = bench.success_row("open team", reports)
+    assert (row["value"], row["holds"], row["detail"]) == (0, True, "2 adversaries, 3 seeds each")
+    row = bench.success_row("open team", [report(1), report(1, failed=["Bombs"])])
+    assert (row["value"], row["holds"]) == (1, False)
+    assert not bench.success_row("open team", [report(1), {"tests": 0}])["holds"], "a seed was not played"

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <deque>
+#include <fstream>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "host.hpp"
@@ -22,17 +25,34 @@ constexpr std::size_t kLargest = 1'000'000;
 constexpr Time kStep = 10ms;
 constexpr int kSteps = 500;
 
+/// Of the radio and the robots; `bench_adversaries` sets others.
+std::uint64_t suite_seed() {
+  const char* seed = std::getenv("ADVERSARY_SEED");
+  return seed == nullptr ? 1 : std::strtoull(seed, nullptr, 10);
+}
+
+/// Of the process, in kB.
+int peak_resident_set() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind("VmHWM:", 0) == 0) return std::atoi(line.c_str() + 6);
+  }
+  return 0;
+}
+
 class AdversarySuite : public testing::TestWithParam<bool> {
  protected:
   using Attack = std::function<void(int step, std::size_t robot)>;
 
-  AdversarySuite() {
+  AdversarySuite() : team_({}, suite_seed()) {
     options_.max_packet_size = kLargest;
     if (GetParam()) options_.keys = {TeamKey{7}};
     for (std::size_t robot = 0; robot < kRobots; ++robot) team_.add(options_);
     team_.run_for(3s);
     forget();
   }
+
+  static void TearDownTestSuite() { RecordProperty("peak_kilobytes", peak_resident_set()); }
 
   Insider insider() { return Insider(team_, make_host(5), options_.keys); }
   void forget() {
