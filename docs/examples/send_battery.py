@@ -14,7 +14,8 @@ def request_of(robot, topic, message):
     """What the service send_message takes for a message of any type."""
     octets = io.BytesIO()
     message.serialize(octets)
-    return SendMessageRequest(robot, topic, message._type, message._md5sum, message._full_text, octets.getvalue())
+    kind = {"type": message._type, "md5sum": message._md5sum, "definition": message._full_text}
+    return SendMessageRequest(dst_robot=robot, topic=topic, data=octets.getvalue(), **kind)
 
 
 def main():

@@ -4,6 +4,7 @@
 import contextlib
 import io
 import os
+import queue
 import random
 import re
 import signal
@@ -24,6 +25,8 @@ from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Float64MultiArray, String
 
 PACKAGE = Path(__file__).resolve().parents[1]
+MESSAGE = "dst_robot: bob, topic: topic, type: std_msgs/UInt8, md5sum: 7c8164229e7d2c17eb95e9231617fdee, data: [1]"
+LIFETIME = "{{" + MESSAGE + ", lifetime: {}}}"
 SERVICES = {
     "send_string": "SendString",
     "send_map": "SendOccupancyGrid",
@@ -351,7 +354,9 @@ class Failures(unittest.TestCase):
             ("send_string", ["bob", "topic", ""], ["data is empty"]),
             ("send_string", ["dave", "topic", "hello"], ["dave"]),
             ("send_twist", ["alice", "topic", "{}"], ["alice"]),
-            ("send_message", ["bob", "topic", "Twist", "no sum", "", "[]"], ["'Twist'", "package/Name"]),
+            ("send_message", ["{dst_robot: bob, topic: topic, type: Twist}"], ["'Twist'", "package/Name"]),
+            ("send_message", [LIFETIME.format(-1)], ["lifetime -1", "0 .. 86400"]),
+            ("send_message", [LIFETIME.format(".inf")], ["lifetime inf", "0 .. 86400"]),
             ("broadcast_string", ["", "hello", "1"], ["topic"]),
             ("join_mc_group", ["mc_alice", "0"], ["mc_alice"]),
         ]
@@ -388,6 +393,32 @@ class Failures(unittest.TestCase):
             for thread in threads:
                 thread.join()
         self.assertEqual(len(failures), 40)
+
+    def test_lifetime_and_newest_only_of_single_messages(self):
+        sent = String("x")
+        kind = {"type": sent._type, "md5sum": sent._md5sum, "definition": sent._full_text, "data": serialized(sent)}
+        failures = queue.Queue()
+
+        def send(**terms):
+            try:
+                call("brief", "send_message", dst_robot="nobody", topic="pose", **kind, **terms)
+            except rospy.ServiceException as error:
+                failures.put(str(error))
+
+        with own_node("brief", {"route_request_wait": 2000}):  # 30 s until there is no route
+            wait_for_state("brief", lambda state: {"bob", "carol"} <= set(state.robots))
+            send(lifetime=0.5)
+            self.assertIn("within its lifetime of 0.5 s", failures.get(timeout=20))
+            threads = [threading.Thread(target=send), threading.Thread(target=send, kwargs={"newest_only": True})]
+            for waiting, thread in enumerate(threads, start=1):
+                thread.start()
+                wait_for_state("brief", lambda state, waiting=waiting: state.packets_waiting >= waiting)
+            send_newer = threading.Thread(target=send, kwargs={"newest_only": True})
+            send_newer.start()
+            self.assertIn("a newer packet for topic 'pose' has taken its place", failures.get(timeout=20))
+            self.assertTrue(failures.empty(), "the others go on")
+        for thread in [*threads, send_newer]:
+            thread.join()
 
     def test_start_is_refused_with_one_sentence(self):
         hub = "hub:" + rospy.get_param("~hub")

@@ -17,6 +17,8 @@ class XmlRpcValue;
 
 namespace adhoc_communication {
 
+constexpr double kLongestLifetime = 86400.0;  ///< s
+
 struct NodeOptions {
   EngineOptions engine;
   std::string interface = "wlan0";

@@ -26,6 +26,7 @@
 
 #include "node/message_kinds.hpp"
 #include "node/network_state.hpp"
+#include "node/options.hpp"
 #include "relay/topic_name.hpp"
 
 namespace adhoc_communication {
@@ -38,6 +39,14 @@ constexpr std::size_t kMaxQueryThreads = 4;
 Bytes bytes_of_text(const std::string& text) {
   if (text.empty()) throw PayloadError("data is empty: there is nothing to send");
   return Bytes(text.begin(), text.end());
+}
+
+/// Throws std::invalid_argument.
+Time lifetime_of(double seconds) {
+  if (!(seconds >= 0.0 && seconds <= kLongestLifetime)) {
+    throw std::invalid_argument("lifetime " + std::to_string(seconds) + " is outside 0 .. 86400 s");
+  }
+  return std::chrono::duration_cast<Time>(std::chrono::duration<double>(seconds));
 }
 
 /// Counts the calls that wait for the radio and refuses those beyond the limit.
@@ -111,7 +120,10 @@ void Services::advertise_sends(ros::NodeHandle& node) {
   });
   advertise<SendMessage>(node, sends_, "send_message", [this](auto& request, auto& response) {
     const SerializedMessage message{request.type, request.md5sum, request.definition, request.data};
-    response.status = send("send_message", any_message_request(request.dst_robot, request.topic, message));
+    SendRequest asked = any_message_request(request.dst_robot, request.topic, message);
+    asked.lifetime = lifetime_of(request.lifetime);
+    asked.newest_only = request.newest_only != 0;
+    response.status = send("send_message", std::move(asked));
   });
   advertise_send<SendOccupancyGrid>(node, "send_map", &SendOccupancyGrid::Request::map);
   advertise_send<SendMmRobotPosition>(node, "send_position", &SendMmRobotPosition::Request::position);
@@ -174,8 +186,8 @@ void Services::advertise_queries(ros::NodeHandle& node, std::function<void()> sh
 std::uint8_t Services::send(const std::string& service, SendRequest request) {
   local_topic("", request.topic);  // what the receiver could not publish is refused here
   const std::size_t octets = request.payload.size();
-  request.lifetime = terms_.lifetime;
-  request.newest_only = terms_.newest_only.admits(local_topic("/", request.topic));
+  if (request.lifetime == Time(0)) request.lifetime = terms_.lifetime;
+  request.newest_only |= terms_.newest_only.admits(local_topic("/", request.topic));
   return finish(service, octets, [&] { return host_.send(std::move(request)); });
 }
 
