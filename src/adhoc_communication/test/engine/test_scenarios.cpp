@@ -1,6 +1,8 @@
 // A fixed set of random scenarios; `engine_scenarios --count 1000` plays more.
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "delivery_invariants.hpp"
 #include "route_invariants.hpp"
 #include "scenario_run.hpp"
@@ -21,7 +23,7 @@ TEST_P(Scenarios, A2_5_A13_1_A13_2_A13_3_B2_2_B2_4_B11_1_KeepEveryPromise) {
   EXPECT_GT(outcome.deliveries, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, Scenarios, testing::Range<std::uint64_t>(1, 20));
+INSTANTIATE_TEST_SUITE_P(Seeds, Scenarios, testing::Range<std::uint64_t>(1, 21));
 /// Once ended with: freshness that decreases, and packets that a relay swallowed, because routes to former runs of a
 /// robot were given out as news and displaced its present run.
 INSTANTIATE_TEST_SUITE_P(FormerRunsGivenOutAsNews, Scenarios, testing::Values(224, 237));
@@ -40,6 +42,32 @@ INSTANTIATE_TEST_SUITE_P(ManySegmentsWithoutRepetition, Scenarios, testing::Valu
 INSTANTIATE_TEST_SUITE_P(HiddenFromEachOther, Scenarios, testing::Values(2101));
 /// The same with requests for routes.
 INSTANTIATE_TEST_SUITE_P(SearchesHiddenFromEachOther, Scenarios, testing::Values(10974));
+
+/// Sizes up to the limit and above it, of packets for one robot and for groups.
+TEST(Scenarios, FillTheRoomForPackets) {
+  int limited = 0, filled = 0, above = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const Scenario scenario = make_scenario(seed);
+    const std::size_t limit = scenario.options.max_packet_size;
+    if (limit == EngineOptions().max_packet_size) continue;
+    ++limited;
+    for (const Action& action : scenario.actions) {
+      if (action.kind != Action::Kind::kUnicast && action.kind != Action::Kind::kGroup) continue;
+      filled += action.size > limit / 2 && action.size < limit;
+      above += action.size > limit;
+    }
+  }
+  EXPECT_GE(limited, 20);
+  EXPECT_GE(filled, 5 * limited);
+  EXPECT_GE(above, limited);
+}
+
+TEST(Scenarios, LeaveARobotWithoutRoomForPackets) {
+  const auto without_room = [](std::uint64_t seed) { return run(make_scenario(seed)).room_taken > 0.9; };
+  std::uint64_t seed = 1;
+  while (seed < 20 && !without_room(seed)) ++seed;
+  EXPECT_LT(seed, 20u);
+}
 
 TEST(Scenarios, AreTheSameForTheSameSeed) {
   EXPECT_EQ(run(make_scenario(3)).trace_hash, run(make_scenario(3)).trace_hash);
@@ -140,6 +168,27 @@ TEST(DeliveryInvariants, SeeWhatIsAlteredDoubledOrMisled) {
   EXPECT_THROW(one.invariants.received(2, one.packet), Violation);
   one.invariants.received(1, one.packet);
   EXPECT_THROW(one.invariants.received(1, one.packet), Violation);
+}
+
+TEST(DeliveryInvariants, SeeWhatIsTooLargeTakenAndOthersRefused) {
+  const std::string too_large = "packet of 2.0 kB exceeds max_packet_size of 1.0 kB";
+  Action action;
+  action.kind = Action::Kind::kUnicast;
+  action.other = 1;
+  for (const std::size_t size : {100, 2000}) {
+    action.size = size;
+    for (const std::string& reason : {too_large, std::string("no route")}) {
+      DeliveryInvariants invariants(2, true, 1000);
+      invariants.booted(0);
+      invariants.request(action, 0s);
+      invariants.accepted(1, {});
+      if ((size > 1000) == (reason == too_large)) {
+        EXPECT_NO_THROW(invariants.finished(0, {1, false, reason}, 1s));
+      } else {
+        EXPECT_THROW(invariants.finished(0, {1, false, reason}, 1s), Violation) << size << ": " << reason;
+      }
+    }
+  }
 }
 
 TEST(DeliveryInvariants, SeeSendsThatEndWronglyOrNot) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "adhoc_communication/packet_size.hpp"
 #include "payloads.hpp"
 #include "simulation/team.hpp"
 #include "texts.hpp"
@@ -45,11 +46,13 @@ std::size_t DeliveryInvariants::add(const Action& action, Time now) {
 }
 
 SendRequest DeliveryInvariants::request(const Action& action, Time now) {
-  const Packet& packet = packets_[add(action, now)];
+  Packet& packet = packets_[add(action, now)];
   std::string destination;
   if (action.kind == Kind::kUnicast) destination = Team::name(action.other);
   if (action.kind == Kind::kGroup) destination = packet.group;
-  return {destination, packet.topic, packet.payload_type, packet.payload, action.priority};
+  SendRequest request{destination, packet.topic, packet.payload_type, packet.payload, action.priority};
+  packet.too_large = packet_size(request) > largest_packet_;
+  return request;
 }
 
 BroadcastRequest DeliveryInvariants::flood(const Action& action, Time now) {
@@ -127,6 +130,10 @@ void DeliveryInvariants::finished(std::size_t robot, const SendFinished& end, Ti
   if (end.delivered != end.reason.empty()) {
     throw Violation(about(packet.action) + " ended with the contradiction delivered = " +
                     std::to_string(end.delivered) + ", reason '" + end.reason + "'");
+  }
+  const bool refused = end.reason.find("exceeds max_packet_size") != std::string::npos;
+  if (packet.too_large != refused) {
+    throw Violation(about(packet.action) + (refused ? " was refused as too large" : " is too large, but was taken"));
   }
   if (!end.delivered && packet.has_to_arrive) {
     throw Violation("A13.3: " + about(packet.action) + " failed, although there is a path: " + end.reason);

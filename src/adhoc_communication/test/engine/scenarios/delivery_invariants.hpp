@@ -1,5 +1,5 @@
 // The promises about packets: nothing altered, nothing twice, order kept, one end for every send, and "delivered" is
-// true.
+// true; what is too large is refused, and nothing else for that reason.
 #pragma once
 
 #include <map>
@@ -22,8 +22,10 @@ class DeliveryInvariants {
   static constexpr Time kSilence = std::chrono::seconds(11);
   static constexpr std::size_t kSmallestSegment = 256;
 
-  explicit DeliveryInvariants(std::size_t robots, bool hops_repeat = true)
-      : hops_repeat_(hops_repeat), runs_(robots, 0) {}
+  /// `largest_packet`: EngineOptions::max_packet_size.
+  explicit DeliveryInvariants(std::size_t robots, bool hops_repeat = true,
+                              std::size_t largest_packet = EngineOptions().max_packet_size)
+      : hops_repeat_(hops_repeat), largest_packet_(largest_packet), runs_(robots, 0) {}
 
   void booted(std::size_t robot) { ++runs_[robot]; }
   void crashed(std::size_t robot);
@@ -63,6 +65,7 @@ class DeliveryInvariants {
     std::set<std::size_t> owed;                         ///< members that have to have it when it ends
     std::set<std::pair<std::size_t, int>> received_by;  ///< robot and its run
     bool has_to_arrive = false;
+    bool too_large = false;
   };
   using SendKey = std::tuple<std::size_t, int, SendId>;  ///< robot, its run
   /// Receiver and its run, sender and its run, priority, destination.
@@ -75,6 +78,7 @@ class DeliveryInvariants {
   Time latest_end(const Packet& packet) const;
 
   const bool hops_repeat_;
+  const std::size_t largest_packet_;
   std::vector<int> runs_;
   std::vector<Packet> packets_;
   std::map<SendKey, std::size_t> open_;

@@ -94,13 +94,14 @@ void report(const Scenario& scenario, const Outcome& outcome) {
 int main(int argc, char** argv) {
   const Arguments arguments = parse(argc, argv);
   const auto start = std::chrono::steady_clock::now();
-  std::uint64_t events = 0, sends = 0, deliveries = 0, played = 0, violations = 0;
+  std::uint64_t events = 0, sends = 0, deliveries = 0, played = 0, violations = 0, full = 0;
   for (; played < arguments.count && (violations == 0 || arguments.keep_going); ++played) {
     const Scenario scenario = adhoc_communication::make_scenario(arguments.seed + played);
     const Outcome outcome = adhoc_communication::run(scenario, arguments.run);
     events += outcome.events;
     sends += outcome.sends;
     deliveries += outcome.deliveries;
+    full += outcome.room_taken > 0.9 ? 1 : 0;
     if (arguments.hashes) {
       std::printf("seed %llu: %016llx\n", static_cast<unsigned long long>(scenario.seed),
                   static_cast<unsigned long long>(outcome.trace_hash));
@@ -111,10 +112,13 @@ int main(int argc, char** argv) {
     std::fflush(stdout);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::printf("%llu seeds, %llu events (%.0f /s), %llu sends, %llu deliveries, %llu violations\n",
-              static_cast<unsigned long long>(played), static_cast<unsigned long long>(events),
-              static_cast<double>(events) / seconds, static_cast<unsigned long long>(sends),
-              static_cast<unsigned long long>(deliveries), static_cast<unsigned long long>(violations));
+  std::printf(
+      "%llu seeds, %llu events (%.0f /s), %llu sends, %llu deliveries, in %llu seeds a robot had no room for packets, "
+      "%llu violations\n",
+      static_cast<unsigned long long>(played), static_cast<unsigned long long>(events),
+      static_cast<double>(events) / seconds, static_cast<unsigned long long>(sends),
+      static_cast<unsigned long long>(deliveries), static_cast<unsigned long long>(full),
+      static_cast<unsigned long long>(violations));
   if (!arguments.json.empty()) write_row(arguments.json, played, events, violations);
   return violations == 0 ? 0 : 1;
 }

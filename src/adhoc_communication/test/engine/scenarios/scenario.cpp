@@ -34,6 +34,7 @@ class Generator {
     draw_memberships();
     draw_keys();
     draw_contention();
+    draw_packet_limit();
     std::stable_sort(scenario_.actions.begin(), scenario_.actions.end(),
                      [](const Action& a, const Action& b) { return a.at < b.at; });
     return std::move(scenario_);
@@ -113,11 +114,22 @@ class Generator {
     options.join_groups_automatically = random_.chance(0.7);
   }
 
-  /// Last, so that all else is as without it.
+  /// Late, so that all else is as without it; so is what follows.
   void draw_contention() {
     MediumOptions& medium = scenario_.medium;
     medium.contention = medium.shared && random_.chance(0.5);
     medium.shared = medium.shared && !medium.contention;
+  }
+
+  /// Room for few packets at once, so that it runs out; some that are sent fill it, some are too large.
+  void draw_packet_limit() {
+    if (!random_.chance(0.3)) return;
+    const double limit = std::pow(10.0, between(3.3, 5.0));
+    scenario_.options.max_packet_size = static_cast<std::size_t>(limit);
+    for (Action& action : scenario_.actions) {
+      const bool acknowledged = action.kind == Kind::kUnicast || action.kind == Kind::kGroup;
+      if (acknowledged && random_.chance(0.3)) action.size = static_cast<std::size_t>(limit * between(0.5, 1.1));
+    }
   }
 
   TeamKey any_key() {
@@ -301,7 +313,8 @@ std::string describe(const Scenario& scenario) {
        << ", reordering " << medium.reordering << ", corruption " << medium.corruption << "; "
        << (scenario.options.keys.empty() ? "open" : "sealed") << ", num_link_retrans "
        << scenario.options.num_link_retrans << ", hop_limit_min " << scenario.options.hop_limit_min
-       << ", max_frame_size " << scenario.options.max_frame_size
+       << ", max_frame_size " << scenario.options.max_frame_size << ", max_packet_size "
+       << scenario.options.max_packet_size
        << (scenario.options.join_groups_automatically ? "" : ", no automatic joins");
   return text.str();
 }

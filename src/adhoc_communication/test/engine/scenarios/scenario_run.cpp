@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <queue>
+#include <string_view>
 
 #include "delivery_invariants.hpp"
 #include "event_trace.hpp"
@@ -30,7 +31,7 @@ class Run {
         team_(scenario.medium, scenario.seed),
         routes_(scenario.places.size()),
         trees_(scenario.places.size()),
-        deliveries_(scenario.places.size(), scenario.options.num_link_retrans > 0),
+        deliveries_(scenario.places.size(), scenario.options.num_link_retrans > 0, scenario.options.max_packet_size),
         trace_(options.trace),
         random_(scenario.seed ^ 0x7265706c6179) {
     watch();
@@ -64,6 +65,7 @@ class Run {
     outcome.sends = deliveries_.sends();
     outcome.deliveries = deliveries_.delivered();
     outcome.trace_hash = team_.trace_hash();
+    outcome.room_taken = room_taken_;
     return outcome;
   }
 
@@ -121,6 +123,9 @@ class Run {
     trees_.changed(robot, engine.trees());
     if (deliveries_.awaits_group(robot)) deliveries_.members(robot, members_of(robot));
     for (const TableFill& table : engine.tables()) {
+      if (std::string_view(table.table) == "octets put together") {
+        room_taken_ = std::max(room_taken_, static_cast<double>(table.size) / static_cast<double>(table.most));
+      }
       if (table.size <= table.most) continue;
       throw Violation("table '" + std::string(table.table) + "' of " + Team::name(robot) + " has " +
                       std::to_string(table.size) + " entries, at most " + std::to_string(table.most) + " are allowed");
@@ -307,6 +312,7 @@ class Run {
   std::vector<Frame> recorded_;
   std::set<std::pair<std::size_t, std::size_t>> left_;  ///< who left whose group
   std::uint64_t events_ = 0;
+  double room_taken_ = 0.0;
 };
 
 }  // namespace

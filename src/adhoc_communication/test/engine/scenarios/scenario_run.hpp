@@ -19,8 +19,9 @@ struct Outcome {
   std::size_t sends = 0;
   std::size_t deliveries = 0;
   std::uint64_t trace_hash = 0;
-  std::string violation;  ///< empty: all promises were kept
-  std::string tail;       ///< the events before the violation
+  double room_taken = 0.0;  ///< of that for packets being put together, by the fullest robot, 0..1
+  std::string violation;    ///< empty: all promises were kept
+  std::string tail;         ///< the events before the violation
 };
 
 Outcome run(const Scenario& scenario, const RunOptions& options = {});
