@@ -83,6 +83,8 @@ if(CATKIN_ENABLE_TESTING)
     target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_scenarios gtest_main)
     set_property(SOURCE ${ADHOC_ENGINE_DIR}/test/engine/test_protocol_vectors.cpp APPEND PROPERTY
       COMPILE_DEFINITIONS PROTOCOL_VECTORS="${ADHOC_ENGINE_DIR}/docs/protocol_vectors.json")
+    set_property(SOURCE ${ADHOC_ENGINE_DIR}/test/engine/test_scenarios.cpp APPEND PROPERTY
+      COMPILE_DEFINITIONS TRACE_HASHES="${ADHOC_ENGINE_DIR}/test/engine/scenarios/trace_hashes.txt")
   endif()
 endif()
 
