@@ -23,7 +23,8 @@ bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship be
 
 RADIO_PARTS = base goodput multicast mixed_rates routes idle priority
 RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios $(addprefix _,$(RADIO_PARTS)) _memory _medium _hosts _babel) out/bench/adhoc.json
-# Each row of docs/results/radio.md is measured by one of bench-adhoc and bench-adhoc-long, which leave those of the other as they are.
+# Each row of docs/results/radio.md is measured by one of bench-adhoc, bench-adhoc-long and fuzz, which leave those of the others
+# as they are.
 PUBLISH_RADIO = publish() { rosrun mr_experiments publish bench --update "$$@" docs/results/data/radio.csv && \
 	rosrun mr_experiments publish pages docs/results/radio.md; }; publish
 
@@ -135,11 +136,16 @@ sanitize: dependencies
 	@cmake --build build/sanitized --target adhoc_communication_engine_test >> build/sanitized.log
 	@build/sanitized/devel/lib/adhoc_communication/adhoc_communication_engine_test --gtest_brief=1
 
-# Fuzzes the protocol engine: FUZZ_SECONDS for each target. What it learns stays in build/fuzz.
+# Fuzzes the protocol engine: FUZZ_SECONDS for each target, entered into test/fuzz/runs.csv and the table of the radio. What it
+# learns stays in build/fuzz; FUZZ=--merge stores it, too.
 FUZZ_SECONDS ?= 600
-fuzz: dependencies
+fuzz: build
 	@tools/install_dependencies fuzz
-	@PATH=/usr/bin:$$PATH src/adhoc_communication/test/fuzz/run_fuzz.py --build build/fuzz --seconds $(FUZZ_SECONDS)
+	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
+	PATH=/usr/bin:$$PATH src/adhoc_communication/test/fuzz/run_fuzz.py --build build/fuzz --seconds $(FUZZ_SECONDS) \
+	  --json out/bench/adhoc_fuzz.json $(FUZZ) || missed=1; \
+	$(PUBLISH_RADIO) out/bench/adhoc_fuzz.json; \
+	exit $$missed
 
 # Random teams on the simulated radio, one for each seed, all promises checked after every event.
 SCENARIOS ?= 1000

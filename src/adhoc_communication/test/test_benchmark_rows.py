@@ -55,7 +55,7 @@ def test_each_part_of_bench_engine_is_published_by_one_target():
 
 
 def test_a_target_publishes_its_own_rows_only():
-    for target in ("bench-adhoc", "bench-adhoc-long"):
+    for target in ("bench-adhoc", "bench-adhoc-long", "fuzz"):
         assert "publish bench --update" in commands(target), target
     assert "--minutes" not in commands("bench-adhoc"), "the rows of ten minutes are those of bench-adhoc-long"
     assert "--minutes 10 " in commands("bench-adhoc-long")
