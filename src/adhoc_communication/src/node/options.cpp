@@ -108,7 +108,6 @@ bool is_topic_element(const std::string& name) {
   });
 }
 
-
 [[noreturn]] void refuse(const std::string& name, const std::string& value, const std::string& why) {
   throw std::invalid_argument("parameter ~" + name + " = " + value + " " + why);
 }
