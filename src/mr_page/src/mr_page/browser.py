@@ -155,9 +155,13 @@ class Tab:
             await self.call("Input.dispatchMouseEvent", event)
 
     async def picture(self, path: Path, whole: bool = False) -> None:
+        """PNG of what is to be seen, or of the whole page, as a file."""
+        path.write_bytes(await self.png(whole))
+
+    async def png(self, whole: bool = False) -> bytes:
         """PNG of what is to be seen, or of the whole page."""
         told = await self.call("Page.captureScreenshot", {"format": "png", "captureBeyondViewport": whole})
-        path.write_bytes(base64.b64decode(told["data"]))
+        return base64.b64decode(told["data"])
 
     def heard(self, method: str, parameters: dict[str, Any]) -> None:
         if method == "Runtime.exceptionThrown":
