@@ -181,6 +181,6 @@ def test_bad_sources_are_one_line(tmp_path, capsys):
     assert len(errors) == 2 and "no records of missions in" in errors[0] and "No such file" in errors[1]
 
 
-@pytest.mark.parametrize("page", ["docs/results/README.md", "docs/results/radio.md", "README.md"])
+@pytest.mark.parametrize("page", ["docs/results/README.md", "docs/results/radio.md", "docs/comparison.md", "README.md"])
 def test_published_figures_are_those_of_the_result_files(page):
     assert publish_command.main(["pages", "--check", str(ROOT / page)]) == 0
