@@ -5,6 +5,8 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -17,6 +19,7 @@ from mr_launch.soak.missions import ROBOTS, Outcome
 from mr_launch.soak.rows import LEAST_HOLD_S, OWN_NODES, SETTLE_S, rows_of
 from mr_launch.soak.running import Node, RunningMission
 
+SOURCES = Path(__file__).resolve().parents[2]
 BEGIN, END = 100.0, 100.0 + LEAST_HOLD_S
 
 
@@ -130,6 +133,14 @@ def test_everything_happens_to_everybody():
     masters = {fault.what for turn in range(3) for fault in disturbed(ROBOTS, turn) if fault.kind == "master restart"}
     assert masters == {f"master of {robot} dies" for robot in ROBOTS}
     assert len(partitions(ROBOTS, 120.0)) == 6
+
+
+def test_every_node_is_killed_that_a_robot_of_a_team_starts_again():
+    files = ("mr_launch/launch/robot", "mr_page/launch/page", "mr_robot/launch/slam", "mr_robot/launch/move_base")
+    roots = [ElementTree.parse(f"{SOURCES}/{name}.launch").getroot() for name in files]
+    again = {node.get("name") for root in roots for node in root.iter("node") if node.get("respawn")}
+    elsewhere = {"link", "mission_control", "velocity_override", "robot_state_publisher", "move_base_flex"}
+    assert again - elsewhere == set(NODES)
 
 
 @contextlib.contextmanager

@@ -106,7 +106,7 @@ def soak(folder: Path, world: str, seed: int, seconds: float, outcomes: list[Out
     while outcomes[-1].code != BAD_CALL and (turn < 2 or time.monotonic() < end):
         number = seed + turn + 1
         if turn % 2 == 0:
-            mission = SoakMission(f"disturbed {turn}", folder / f"{turn + 1}_disturbed", world, number)
+            mission = SoakMission(f"disturbed {turn}", folder / f"{turn + 1}_disturbed", world, number, page=True)
             outcomes.append(_run(mission, disturbed(ROBOTS, turn)))
         else:
             mission = SoakMission(f"full disk {turn}", folder / f"{turn + 1}_full_disk", world, number, small_disk=True)

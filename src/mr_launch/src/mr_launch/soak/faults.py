@@ -8,7 +8,7 @@ from typing import Callable
 from mr_launch.disk_guard import free
 from mr_launch.soak.running import RunningMission
 
-NODES = ("explorer", "map_merger", "adhoc_communication", "move_base")
+NODES = ("explorer", "map_merger", "adhoc_communication", "move_base", "slam", "page")  # that are started again
 LEFT_MB, DISK_MB = 60, 400  # what a nearly full disk has left, below what recorders want; size of the small disk
 BALLAST = "ballast"
 
@@ -27,7 +27,7 @@ class Fault:
 def disturbed(robots: list[str], rotation: int) -> list[Fault]:
     """A partition, every node killed once, a restart of a master, clocks that jump. `rotation`: who it hits."""
     first, second, third = (robots[(rotation + index) % len(robots)] for index in range(3))
-    victims = (first, second, third, first)
+    victims = (first, second, third, first, third, second)
     faults = [
         Fault(8.0, "partition", f"{third} hears nobody", lambda mission: mission.tell_radio(f"down {third}")),
         Fault(28.0, "partition", f"{third} is back", lambda mission: mission.tell_radio(f"up {third}")),

@@ -6,6 +6,7 @@ import contextlib
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import time
 from dataclasses import dataclass, field
@@ -56,14 +57,17 @@ class Outcome:
 
 
 class SoakMission:
-    """`folder`: for its output; `world` as of the team runner."""
+    """`folder`: for its output; `world` as of the team runner; `page`: each robot has a node of the status page."""
 
-    def __init__(self, name: str, folder: Path, world: str, seed: int, small_disk: bool = False) -> None:
+    def __init__(
+        self, name: str, folder: Path, world: str, seed: int, small_disk: bool = False, page: bool = False
+    ) -> None:
         self.name = name
         self._folder = folder
         self._out = folder / "out"
         self._small_disk = small_disk
-        asked = ("--world", world, "--robots", str(len(ROBOTS)), "--seed", str(seed), "--respawn")
+        asked: tuple[str, ...] = ("--world", world, "--robots", str(len(ROBOTS)), "--seed", str(seed), "--respawn")
+        asked += ("--page", str(free_port())) if page else ()
         self._command = ["rosrun", "mr_launch", "team", *asked, "--out", str(self._out), "--duration"]
 
     def run(self, faults: Sequence[Fault] = (), hold: float = 0.0) -> Outcome:
@@ -172,6 +176,12 @@ class SoakMission:
             return read_record(place / STACK_RECORD)
         except RecordError:
             return None
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 def _finished(record: MissionRecord | None, robot: str) -> bool:
