@@ -16,7 +16,7 @@ from mr_launch.soak.faults import NODES, disturbed, full_disk, partitions
 from mr_launch.soak.leftovers import Leftovers
 from mr_launch.soak.memory import Sample, Samples, cpu_share, memory_of, slope
 from mr_launch.soak.missions import ROBOTS, Outcome
-from mr_launch.soak.rows import LEAST_HOLD_S, OWN_NODES, SETTLE_S, rows_of
+from mr_launch.soak.rows import LEAST_HOLD_S, OF_A_ROBOT, OWN_NODES, SETTLE_S, alone_rows, rows_of
 from mr_launch.soak.running import Node, RunningMission
 
 SOURCES = Path(__file__).resolve().parents[2]
@@ -94,6 +94,28 @@ def test_what_one_robot_needs():
     rows = found(outcome(dict(list(AT_REST.items())[1:])))
     assert not any(rows[what]["holds"] for what in rows if what.startswith("own nodes"))
     assert not rows[f"memory at rest: slope of {OWN_NODES[0]}"]["holds"], "it was not seen"
+
+
+def alone(**changes):
+    (row,) = alone_rows(outcome(dict.fromkeys(OF_A_ROBOT, 0.0), **changes))
+    return row
+
+
+def test_what_a_robot_needs_alone():
+    taken = Samples()
+    for number, name in enumerate([*OF_A_ROBOT, "robot", "monitor"]):
+        sizes = [40e6, 49e6, 41e6] if name == "slam" else [40e6] * 3
+        taken.by_node[Node("robot_0", name, number)] = [Sample(t, size, 0, 0.0) for t, size in enumerate(sizes)]
+    row = alone(samples=taken)
+    assert row["holds"] and row["value"] == 289.0 and "slam 49" in row["detail"], (
+        "the most at a time, without simulator"
+    )
+    taken.by_node[Node("robot_0", "slam", 4)].append(Sample(4.0, int(1e9), 0, 0.0))
+    assert alone(samples=taken)["value"] == 289.0, "a moment without the others says nothing"
+    assert not alone(samples=taken, code=1)["holds"]
+    taken.by_node[Node("robot_0", "slam", 4)][1] = Sample(1, int(111e6), 0, 0.0)
+    assert not alone(samples=taken)["holds"]
+    assert not alone(samples=Samples())["holds"]
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, FAILED, INTERRUPTED, OK
 from mr_launch.soak.faults import disturbed, full_disk
 from mr_launch.soak.missions import ROBOTS, Outcome, SoakMission
-from mr_launch.soak.rows import LEAST_HOLD_S, rows_of
+from mr_launch.soak.rows import LEAST_HOLD_S, alone_rows, rows_of
 from mr_launch.world import check_start, find_world, robots_of
 
 HOLD_SHARE = 0.25  # of the whole time
@@ -41,6 +41,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="M",
         help=f"{SHORTEST:g} to {LONGEST:g}; the last mission ends later (default: %(default)s)",
     )
+    add("--alone", action="store_true", help="no soak: one mission of one robot, to look at the memory it needs alone")
     add("--world", default="office26x15", metavar="NAME", help="as of the team runner (default: %(default)s)")
     add("--seed", type=int, default=1, metavar="N", help="of the first mission (default: %(default)s)")
     add("--out", type=Path, metavar="FILE", help="JSON file for the rows")
@@ -71,11 +72,14 @@ def main(arguments: Sequence[str]) -> int:
         outcomes: list[Outcome] = []
         interrupted = False
         try:
-            soak(folder, options.world, options.seed, 60.0 * options.minutes, outcomes)
+            if options.alone:
+                outcomes.append(_run(SoakMission("alone", folder, options.world, options.seed, robots=ROBOTS[:1])))
+            else:
+                soak(folder, options.world, options.seed, 60.0 * options.minutes, outcomes)
         except KeyboardInterrupt:
             interrupted = True
             print("soak: interrupted; the rows are those of the missions before", file=sys.stderr)
-    rows = rows_of(outcomes)
+    rows = [entry for outcome in outcomes for entry in alone_rows(outcome)] if options.alone else rows_of(outcomes)
     if options.out:
         options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     if interrupted:

@@ -60,13 +60,21 @@ class SoakMission:
     """`folder`: for its output; `world` as of the team runner; `page`: each robot has a node of the status page."""
 
     def __init__(
-        self, name: str, folder: Path, world: str, seed: int, small_disk: bool = False, page: bool = False
+        self,
+        name: str,
+        folder: Path,
+        world: str,
+        seed: int,
+        small_disk: bool = False,
+        page: bool = False,
+        robots: Sequence[str] = ROBOTS,
     ) -> None:
         self.name = name
+        self._robots = robots
         self._folder = folder
         self._out = folder / "out"
         self._small_disk = small_disk
-        asked: tuple[str, ...] = ("--world", world, "--robots", str(len(ROBOTS)), "--seed", str(seed), "--respawn")
+        asked: tuple[str, ...] = ("--world", world, "--robots", str(len(robots)), "--seed", str(seed), "--respawn")
         asked += ("--page", str(free_port())) if page else ()
         self._command = ["rosrun", "mr_launch", "team", *asked, "--out", str(self._out), "--duration"]
 
@@ -95,7 +103,7 @@ class SoakMission:
         return Outcome(
             name=self.name,
             code=process.returncode,
-            stuck=[name for name in ROBOTS if not _finished(record, name)],
+            stuck=[name for name in self._robots if not _finished(record, name)],
             left=self._leftovers.found(),
             said=[line.replace(f"{self._folder}/", "") for line in text.splitlines() if line.startswith("team: ")],
             faults=self._done,

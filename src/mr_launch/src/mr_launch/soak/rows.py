@@ -6,11 +6,12 @@ import math
 from collections import Counter
 from typing import Any, Sequence
 
-from mr_launch.soak.memory import cpu_share, slope
+from mr_launch.soak.memory import Sample, Samples, cpu_share, slope
 from mr_launch.soak.missions import ROBOTS, Outcome
 
 Row = dict[str, Any]
 OWN_NODES = ("adhoc_communication", "map_merger", "explorer", "move_base")  # a robot's, without simulator and SLAM
+OF_A_ROBOT = (*OWN_NODES, "slam", "master", "rosout")  # all that robot.launch starts, and what they need
 CPU_BAR, PSS_BAR_MB = 0.20, 350.0
 SLOPE_BAR = 0.2  # MB per minute of any node, less twice the standard error
 # After a mission caches fill, allocators reach their high-water mark and the last registrations end: some MB in the
@@ -102,6 +103,29 @@ def _memory(outcomes: Sequence[Outcome]) -> list[Row]:
 def _at_least(slope: tuple[float, float]) -> float:
     rate, error = slope
     return rate - 2.0 * error
+
+
+def alone_rows(outcome: Outcome) -> list[Row]:
+    """What one robot needs that nobody shares pages with: the most at a time during its mission."""
+    what, bar = "a robot alone: memory (PSS), most at a time", f"<= {PSS_BAR_MB:g}"
+    moments = _moments(outcome.samples, OF_A_ROBOT)
+    if not moments:
+        return [row(what, bar, None, "MB", False, f"never seen together: {', '.join(OF_A_ROBOT)}")]
+    most = max(moments, key=lambda moment: sum(sample.pss for sample in moment.values()))
+    total, own = (sum(sizes) / 1e6 for sizes in zip(*((sample.pss, sample.own) for sample in most.values())))
+    shown = ", ".join(f"{name} {sample.pss / 1e6:.0f}" for name, sample in most.items())
+    end = "finished" if outcome.survived else "did not finish"
+    detail = f"{shown}; {own:.0f} of it are no files; {len(moments)} moments of a mission that {end}"
+    return [row(what, bar, round(total, 1), "MB", outcome.survived and total <= PSS_BAR_MB, detail)]
+
+
+def _moments(samples: Samples, names: Sequence[str]) -> list[dict[str, Sample]]:
+    """These nodes whenever all of them were looked at in one go."""
+    by_time: dict[float, dict[str, Sample]] = {}
+    for node, taken in samples.by_node.items():
+        for sample in taken:
+            by_time.setdefault(sample.time, {})[node.name] = sample
+    return [{name: found[name] for name in names} for found in by_time.values() if set(names) <= set(found)]
 
 
 def _resources(outcomes: Sequence[Outcome]) -> list[Row]:
