@@ -54,7 +54,8 @@ def main(arguments: Sequence[str]) -> int:
         options = make_parser().parse_args(arguments)
         if options.command == "pages":
             return publish_pages([Path(page) for page in options.pages], options.check)
-        rows = {"missions": _of_missions, "worlds": _of_worlds, "bench": _of_bench}[options.command](options.sources)
+        makers = {"missions": _of_missions, "worlds": _of_worlds, "bench": _of_bench}
+        rows: Sequence[Row] = makers[options.command](options.sources)
         if options.command == "bench" and options.update:
             rows = updated(read_table(Path(options.table)), rows)
         write_table(Path(options.table), rows)
