@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page soak nightly experiments clean
+.PHONY: demo test test-commands build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page soak nightly experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -10,6 +10,11 @@ demo: build
 test: build
 	@tools/install_dependencies browser
 	@$(ENVIRONMENT) tools/test
+
+# Runs the commands of the README and of the tutorials, shortened: five minutes.
+test-commands: build
+	@tools/install_dependencies browser
+	@$(ENVIRONMENT) python3 -m pytest -q test/commands
 
 build: dependencies
 	@echo "Building (log: build/build.log)"
@@ -127,6 +132,7 @@ soak: build
 	exit $$missed
 
 nightly:
+	@$(MAKE) test-commands
 	@$(MAKE) soak SOAK_MINUTES=30
 
 lint: dependencies

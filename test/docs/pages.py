@@ -57,7 +57,7 @@ def anchors(page: Path) -> Tuple[str, ...]:
 
 def commands(page: Path) -> Iterator[Command]:
     """Those in fenced blocks of shell and in indented ones: one for each line, and for each part of a pipe or list."""
-    for number, line in _shell_lines(page):
+    for number, line in shell_lines(page):
         for part in re.split(r"\s(?:&&|\|\||\|)\s|;\s", line):
             try:
                 words = shlex.split(part, comments=True)
@@ -86,7 +86,7 @@ def _text_lines(page: Path) -> Iterator[Tuple[int, str]]:
             yield number, line
 
 
-def _shell_lines(page: Path) -> Iterator[Tuple[int, str]]:
+def shell_lines(page: Path) -> Iterator[Tuple[int, str]]:
     """Lines that end with a backslash are joined."""
     language, joined = "", ""
     for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), start=1):

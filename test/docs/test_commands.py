@@ -1,5 +1,5 @@
 """Every command of the pages exists: packages, executables, launch files and their arguments, options, make targets,
-scripts. Nothing is run."""
+scripts. Nothing is run here: see `test/commands`."""
 
 import importlib.util
 import re
