@@ -1,8 +1,10 @@
 """What one robot's laser and wheels said in a mission, with the truth: to compare SLAM on the same data."""
 
 import math
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from zipfile import BadZipFile
 
 import numpy as np
@@ -31,7 +33,14 @@ class ScanLog:
         return LaserScan(self.ranges[index], angle_min, increment, low, high, Pose(*mount))
 
     def save(self, path: Path) -> None:
-        np.savez_compressed(path, **{name: np.asarray(getattr(self, name)) for name in _FIELDS})
+        """At once: whoever stops meanwhile, or writes the same log, leaves no part of it there."""
+        with NamedTemporaryFile(dir=path.parent, prefix=path.name, delete=False) as partial:
+            try:
+                np.savez_compressed(partial, **{name: np.asarray(getattr(self, name)) for name in _FIELDS})
+            except BaseException:
+                os.unlink(partial.name)
+                raise
+        os.replace(partial.name, path)
 
     @classmethod
     def load(cls, path: Path) -> "ScanLog":

@@ -4,7 +4,7 @@ import math
 import multiprocessing
 from dataclasses import fields
 from pathlib import Path
-from typing import Callable, Iterable, Iterator
+from typing import Any, Callable, Iterable, Iterator
 
 import numpy as np
 import pytest
@@ -399,6 +399,20 @@ def test_logs_are_kept(tmp_path: Path) -> None:
     log.save(tmp_path / "log.npz")
     loaded = ScanLog.load(tmp_path / "log.npz")
     assert loaded.world == "w" and np.array_equal(loaded.ranges, log.ranges)
+
+
+def test_a_log_that_is_not_written_to_its_end_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A benchmark that was stopped found half a log the next time, and gave up."""
+
+    def stopped(file: Any, **arrays: np.ndarray) -> None:
+        (file if isinstance(file, Path) else Path(file.name)).write_bytes(b"PK")
+        raise KeyboardInterrupt
+
+    log = ScanLog("w", np.zeros(7), np.arange(3.0), np.ones((3, 5), np.float32), np.ones((3, 3)), np.zeros((3, 3)))
+    monkeypatch.setattr(np, "savez_compressed", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        log.save(tmp_path / "log.npz")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("write", [lambda path: path.write_bytes(b"no"), lambda path: np.savez(path, world="w")])
