@@ -2,7 +2,6 @@
 
 import os
 import re
-import socket
 import subprocess
 import tempfile
 from pathlib import Path
@@ -76,9 +75,3 @@ def _ran(output: str, index: int) -> Ran:
     if found is None:
         return Ran(-1, f"it did not end; all so far:\n{output[-3000:]}")
     return Ran(int(found[2]), found[1])
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

@@ -13,8 +13,10 @@ from typing import Dict, Iterator, List
 
 import pytest
 from pages import REPOSITORY, shell_lines
-from running import PATIENCE_S, Line, Ran, environment, free_port, in_a_shell, sandbox
+from running import PATIENCE_S, Line, Ran, environment, in_a_shell, sandbox
 from table import NOT_RUN, SHORTENED, Where, reason_not_to_run, shortened, where
+
+from mr_launch.programs import free_ports
 
 PAGES = ["README.md", *(f"docs/tutorials/{path.name}" for path in sorted((REPOSITORY / "docs/tutorials").glob("*.md")))]
 READY_S = 120.0
@@ -56,7 +58,8 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Dict[Line, Ran]:
 def with_mission(folder: Path) -> Dict[Line, Ran]:
     (first,) = lines(Where.MISSION)
     log = folder / "mission.log"
-    command = f"source tools/environment.sh; exec {first.words.format(port=free_port())}"
+    (port,) = free_ports(1)
+    command = f"source tools/environment.sh; exec {first.words.format(port=port)}"
     with log.open("wb") as output:
         process = subprocess.Popen(
             ["bash", "-c", command], cwd=folder, env=environment(folder), stdin=subprocess.DEVNULL, stdout=output,

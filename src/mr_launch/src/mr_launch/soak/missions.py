@@ -6,13 +6,13 @@ import contextlib
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Mapping, Sequence
 
+from mr_launch.programs import free_ports
 from mr_launch.soak.faults import DISK_MB, Fault, partitions
 from mr_launch.soak.leftovers import Leftovers
 from mr_launch.soak.memory import Samples
@@ -75,7 +75,7 @@ class SoakMission:
         self._out = folder / "out"
         self._small_disk = small_disk
         asked: tuple[str, ...] = ("--world", world, "--robots", str(len(robots)), "--seed", str(seed), "--respawn")
-        asked += ("--page", str(free_port())) if page else ()
+        asked += ("--page", str(free_ports(1)[0])) if page else ()
         self._command = ["rosrun", "mr_launch", "team", *asked, "--out", str(self._out), "--duration"]
 
     def run(self, faults: Sequence[Fault] = (), hold: float = 0.0) -> Outcome:
@@ -184,12 +184,6 @@ class SoakMission:
             return read_record(place / STACK_RECORD)
         except RecordError:
             return None
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def _finished(record: MissionRecord | None, robot: str) -> bool:
