@@ -62,21 +62,22 @@ void Router::used(const MacAddress& source, const MacAddress& destination, const
   const Time until = now + timings_.active_route_timeout;
   routes_.extend(source, until);
   routes_.extend(destination, until);
-  if (const Route* route = routes_.find(destination)) routes_.extend(route->next_hop, until);
-  look_for_better(destination, now);
+  if (const Route* route = routes_.find(destination)) {
+    routes_.extend(route->next_hop, until);
+    if (route->valid) look_for_better(*route, now);
+  }
   routes_.extend(previous_hop, until);
   routes_.add_precursor(destination, previous_hop);
 }
 
 /// A fading link is left before it breaks, once it has cost as much as it costs to ask: each robot passes the request
 /// on. The number that is asked for makes the answer news to all that rely on the route, which carries data meanwhile.
-void Router::look_for_better(const MacAddress& destination, Time now) {
-  const Route* route = routes_.usable(destination, now);
-  if (route == nullptr) return;
-  const Cost link = neighbors_.cost(route->next_hop);
-  if (routes_.waste(destination, link) < kPerfectHop * directory_.size()) return;
-  const int hop_limit = route->hops + timings_.local_add_ttl;
-  if (discovery_.exchange(destination, route->sequence, hop_limit, now)) routes_.asked(destination, link);
+void Router::look_for_better(const Route& route, Time now) {
+  const Cost link = neighbors_.cost(route.next_hop);
+  const std::uint32_t wasted = routes_.waste(route.destination, link);
+  if (wasted == 0 || wasted < kPerfectHop * directory_.size()) return;
+  const int hop_limit = route.hops + timings_.local_add_ttl;
+  if (discovery_.exchange(route.destination, route.sequence, hop_limit, now)) routes_.asked(route.destination, link);
 }
 
 void Router::poll(Time now) {

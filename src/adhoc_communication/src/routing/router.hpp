@@ -80,7 +80,7 @@ class Router {
   void forward_request(wire::RouteRequest request, const MacAddress& from, Time now);
   std::uint8_t hops_told(const Target& target, Time now) const;
   std::optional<MacAddress> way_told(const MacAddress& destination, Time now) const;
-  void look_for_better(const MacAddress& destination, Time now);
+  void look_for_better(const Route& route, Time now);
   bool better_one_known(const wire::RouteReply& reply, Time now) const;
   bool worth_forwarding(const wire::RouteReply& reply, bool updated, const MacAddress& from, Time now);
   void forward_reply(wire::RouteReply reply, Time now);

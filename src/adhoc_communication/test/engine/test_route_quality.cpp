@@ -3,6 +3,7 @@
 
 #include "payloads.hpp"
 #include "routing/link_cost.hpp"
+#include "routing/route_discovery.hpp"
 #include "routing/route_table.hpp"
 #include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
@@ -199,6 +200,29 @@ TEST(RouteExchange, WithoutAWayRoundItIsAskedAFewTimesAtMost) {
   EXPECT_LE(requests_while_fading(team, 0.55, 200), 3u);
   team.run_for(5s);
   EXPECT_EQ(team.received(1).size(), 220u);
+}
+
+/// There is a route: nobody waits for the exchange, nobody hears that it failed, and what needs a route goes before it.
+TEST(RouteExchange, EndsWithoutAWordAndGivesWayToASearchAndARepair) {
+  const auto untold = [](const routing::Target&) { return std::uint8_t{0}; };
+  const MacAddress far = Team::address(7);
+  for (const char* then : {"nothing", "search", "repair"}) {
+    Random random(1);
+    routing::RouteDiscovery discovery(EngineOptions(), random);
+    ASSERT_TRUE(discovery.exchange(far, 5, 3, 0s));
+    EXPECT_FALSE(discovery.exchange(far, 5, 3, 0s)) << "once at a time";
+    const auto steps = discovery.poll(untold, 0s);
+    ASSERT_EQ(steps.size(), 1u);
+    EXPECT_EQ(steps.front().newer_than, 5u);
+    EXPECT_FALSE(discovery.searching({far, {}}));
+    if (then == std::string("search")) discovery.search({far, {}}, 0, 0, 1ms);
+    if (then == std::string("repair")) EXPECT_TRUE(discovery.repair(far, 3, 1ms));
+    EXPECT_EQ(discovery.searching({far, {}}), then != std::string("nothing"));
+    for (Time now = 1ms; now < 30s; now += 10ms) {
+      for (const auto& step : discovery.poll(untold, now)) EXPECT_FALSE(step.newer_than);
+    }
+    EXPECT_EQ(discovery.take_failures().size(), then == std::string("nothing") ? 0u : 1u) << then;
+  }
 }
 
 TEST(LocalRepair, A10_1_A10_2_A10_3_DataWaitsWhereTheRouteBroke) {
