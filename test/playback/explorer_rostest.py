@@ -99,8 +99,9 @@ class Explorer(unittest.TestCase):
         what, auction_id = kind(message)
         if what == "answer":
             self.wait_for_auction(("start", auction_id))
-        elif self.started:
-            # The second question for the transform follows the answers to the first one.
+        if self.started:
+            # The second question for the transform follows the answers to the first one. Bids of a robot whose
+            # transform is not known say nothing, and the first questions may come before the test has heard it.
             self.assertTrue(self.around.probes.wait_for(lambda probes: len(probes) > PROBES), "transform not asked for")
         self.auction.publish(message)
         self.taken += 1
