@@ -13,6 +13,7 @@ from mr_experiments.host.mission import Mission
 from mr_experiments.sweep.record import record_of, run_trial
 from mr_experiments.trial.radio_options import RadioOptions
 from mr_experiments.trial.trial import Trial, TrialError
+from mr_sim.worlds import find_world
 
 SHORT = Trial("small8x8", 2, 3, limit=20.0)
 
@@ -222,3 +223,19 @@ def test_missions_use_the_laser_among_the_rangers(tmp_path):
     mission.run()
     assert mission.finished
     assert record_of(mission, None).robots["r0"].map.coverage > 0.95
+
+
+@pytest.mark.parametrize("odometry", ["bias", "random_walk"])
+def test_a_team_of_omni_drives_explores(tmp_path, odometry):
+    """Their odometry errs aside, too."""
+    folder = find_world("small8x8").parent
+    pioneer = (folder / "pioneer.inc").read_text()
+    assert 'drive "diff"' in pioneer and "odom_error [ 0.03 0.03 0.0 0.05 ]" in pioneer
+    pioneer = pioneer.replace('drive "diff"', 'drive "omni"').replace("-0.5 0.5 0 0 0 0", "-0.5 0.5 -0.5 0.5 0 0")
+    (tmp_path / "pioneer.inc").write_text(pioneer)
+    (tmp_path / "w.world").write_text((folder / "small8x8.world").read_text())
+    record = run_trial(Trial(str(tmp_path / "w.world"), 2, 1, limit=300.0, odometry=odometry))
+    assert (record.outcome.status, record.outcome.reason) == ("finished", "")
+    for robot in record.robots.values():
+        assert robot.map.coverage > 0.995 and robot.map.wrong_walls < 0.005
+        assert all(merge.right for merge in robot.merges)
