@@ -22,8 +22,8 @@ std::size_t HopSender::waiting() const {
   return count;
 }
 
-bool HopSender::has_more() const {
-  return waiting() > 0 || std::any_of(lost_.begin(), lost_.end(), [](const auto& lost) { return !lost.empty(); });
+bool HopSender::has_lost() const {
+  return std::any_of(lost_.begin(), lost_.end(), [](const auto& lost) { return !lost.empty(); });
 }
 
 /// More of them would crowd a crowded channel until it carries nothing but repetitions.
@@ -88,6 +88,13 @@ void HopSender::sample_round_trip(std::uint64_t counter, Time now) {
   }
 }
 
+/// An answer to a later frame tells nothing of how long one takes.
+void HopSender::answered(std::uint64_t newest_counter, Time now) {
+  if (!question_ || newest_counter < question_->counter) return;
+  if (newest_counter == question_->counter) answer_.sample(now - question_->asked);
+  question_.reset();
+}
+
 bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now, std::vector<Passed>* passed) {
   bool progress = false;
   for (auto iterator = in_flight_.begin(); iterator != in_flight_.end();) {
@@ -106,6 +113,7 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
     }
   }
   sample_round_trip(acknowledgment.newest_counter, now);
+  answered(acknowledgment.newest_counter, now);
   while (!unresolved_.empty() && unresolved_.front().counter <= acknowledgment.newest_counter) {
     const Transmission transmission = unresolved_.front();
     unresolved_.pop_front();
@@ -132,7 +140,28 @@ void HopSender::excuse_silence(Time now) {
   }
 }
 
+/// Of the window that is full, so that nothing else could be sent meanwhile.
+Time HopSender::question_expires() const {
+  if (!question_ || unresolved_.empty() || has_lost() || may_start()) return Time::max();
+  return question_->asked + std::max(answer_.timeout(), patience_);
+}
+
+/// It is the most likely one to be missing, and its repetition asks again.
+void HopSender::repeat_oldest() {
+  const Transmission transmission = unresolved_.front();
+  unresolved_.pop_front();
+  question_.reset();
+  keep_late(transmission);
+  transmission_lost(transmission, false);
+}
+
+void HopSender::keep_late(const Transmission& transmission) {
+  if (late_.size() == kMostLate) late_.pop_front();
+  late_.push_back(transmission);
+}
+
 void HopSender::expire(Time now) {
+  if (question_expires() <= now) repeat_oldest();
   for (auto iterator = unresolved_.begin(); iterator != unresolved_.end();) {
     if (iterator->expires > now) {
       ++iterator;
@@ -140,8 +169,7 @@ void HopSender::expire(Time now) {
     }
     const Transmission transmission = *iterator;
     iterator = unresolved_.erase(iterator);
-    if (late_.size() == kMostLate) late_.pop_front();
-    late_.push_back(transmission);
+    keep_late(transmission);
     ++expiries_;
     count_outcome(true, now);
     transmission_lost(transmission, true);
@@ -176,6 +204,7 @@ void HopSender::clear() {
   unresolved_.clear();
   late_.clear();
   expiries_ = 0;
+  question_.reset();
   waiting_since_.reset();
 }
 
@@ -199,7 +228,7 @@ std::optional<double> HopSender::loss(Time now) const {
 }
 
 Time HopSender::next_deadline() const {
-  Time next = dead_at();
+  Time next = std::min(dead_at(), question_expires());
   for (const Transmission& transmission : unresolved_) next = std::min(next, transmission.expires);
   return next;
 }

@@ -22,13 +22,14 @@ namespace adhoc_communication::transport {
 class HopSender {
  public:
   static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
-  static constexpr std::size_t kMostUnresolved = 32;  ///< transmissions whose fate is open
+  static constexpr std::size_t kMostUnresolved = 48;  ///< transmissions whose fate is open
   static constexpr std::size_t kFewUnresolved = 16;   ///< the same while answers are slow, or none is known
   static constexpr Time kSlowAnswers = std::chrono::milliseconds(15);  ///< of the timer
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
   static constexpr Time kShortestTimer = std::chrono::milliseconds(10);
   static constexpr Time kLongestTimer = std::chrono::milliseconds(500);
+  static constexpr Time kShortestWait = std::chrono::milliseconds(2);  ///< for an answer that was asked for at once
   static constexpr std::size_t kMostLate = 64;  ///< transmissions given up by the timer whose acknowledgment may come
 
   struct Outgoing {
@@ -59,7 +60,7 @@ class HopSender {
   void enqueue(HopFrame frame) { waiting_[frame.priority].push(std::move(frame)); }
   std::size_t waiting() const;
   /// Frames wait, to be sent or to be repeated.
-  bool has_more() const;
+  bool has_more() const { return waiting() > 0 || has_lost(); }
 
   bool has_resend(std::uint8_t priority) const { return !lost_[priority].empty(); }
   bool has_waiting(std::uint8_t priority) const { return !waiting_[priority].empty(); }
@@ -77,8 +78,10 @@ class HopSender {
   bool may_resend() const { return unresolved_.size() < most_unresolved(); }
   bool may_start() const;
   std::size_t unresolved() const { return unresolved_.size(); }
-  /// Soon nothing more will fit: an acknowledgment is wanted.
-  bool pressing() const { return unresolved_.size() > most_unresolved() * 3 / 4; }
+  /// Nothing more fits, or soon: an acknowledgment is wanted.
+  bool pressing() const { return unresolved_.size() > most_unresolved() * 3 / 4 || !may_start(); }
+  /// The latest transmission asks for an acknowledgment at once.
+  void ask(std::uint64_t counter, Time now) { question_ = {counter, now}; }
 
   /// The lost frame to repeat next; has_resend() and may_resend() hold.
   Outgoing resend(std::uint8_t priority, std::uint64_t counter, Time now);
@@ -121,11 +124,20 @@ class HopSender {
     Time expires;
     Time latest;  ///< to which frames that follow may put off the expiry
   };
+  struct Question {
+    std::uint64_t counter;
+    Time asked;
+  };
 
   Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
   void transmission_lost(const Transmission& transmission, bool by_timer);
   void count_outcome(bool lost, Time now);
   Time timer() const;
+  bool has_lost() const;
+  Time question_expires() const;
+  void repeat_oldest();
+  void keep_late(const Transmission& transmission);
+  void answered(std::uint64_t newest_counter, Time now);
   std::size_t most_unresolved() const;
   void sample_round_trip(std::uint64_t counter, Time now);
   Time dead_at() const;
@@ -140,6 +152,8 @@ class HopSender {
   std::deque<Transmission> late_;
   int expiries_ = 0;  ///< of timers since the last acknowledgment
   RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
+  std::optional<Question> question_;  ///< that is not answered
+  RoundTrip answer_{std::chrono::milliseconds(20), kShortestWait, kLongestTimer};
   Time patience_{0};
   std::optional<Time> waiting_since_;  ///< frames have been outstanding without a break since then
   Time silent_since_{0};

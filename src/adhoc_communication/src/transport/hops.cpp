@@ -239,6 +239,7 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   hop.sender.be_patient(air_.shared(now) ? turns_.patience(neighbor) : Time(0));
   const bool at_once = air_.shared(now) && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
                                                                 : wants_answer(neighbor, hop);
+  if (at_once) hop.sender.ask(counter, now);
   const auto flags = static_cast<std::uint8_t>(wire::kWantsAcknowledgment | (at_once ? wire::kAcknowledgeNow : 0));
   if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);
   transmitter_.transmit(outgoing.type, neighbor, {flags, outgoing.link_sequence, counter}, *outgoing.body, now);

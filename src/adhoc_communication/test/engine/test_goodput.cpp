@@ -198,6 +198,34 @@ TEST(HopSender, OnlyQuickAnswersOpenTheWholeWindow) {
   }
 }
 
+/// Until the timers of 10 ms and more nothing moved when the answer to the frame that filled the window was lost.
+TEST(HopSender, AFullWindowAsksAgainAsSoonAsTheAnswerIsOverdue) {
+  HopSender sender(1, 10);
+  std::uint64_t counter = 0;
+  const auto start = [&](Time now) { sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now); };
+  const auto all_arrived = [&] {
+    return wire::HopAcknowledgment{0, counter, 0, 0, static_cast<std::uint32_t>(counter), ~std::uint64_t{0}};
+  };
+  Time now = 0ms;
+  for (int i = 0; i < 30; ++i, now += 5ms) {
+    start(now);
+    sender.ask(counter, now);
+    sender.acknowledged(all_arrived(), now + 1ms);
+  }
+  const std::uint64_t oldest = counter + 1;
+  while (sender.may_start()) start(now);
+  EXPECT_TRUE(sender.pressing());
+  sender.ask(counter, now);
+  EXPECT_EQ(sender.next_deadline(), now + HopSender::kShortestWait);
+  sender.expire(now + 1ms);
+  EXPECT_FALSE(sender.has_resend(0)) << "the answer may still come";
+  sender.expire(now + HopSender::kShortestWait);
+  ASSERT_TRUE(sender.has_resend(0));
+  EXPECT_EQ(sender.resend(0, ++counter, now + 2ms).link_sequence, oldest);
+  EXPECT_TRUE(sender.pressing()) << "the repetition asks, too";
+  EXPECT_FALSE(sender.has_resend(0)) << "one at a time";
+}
+
 /// On a shared channel: learned while another robot was sending, too, and then that one falls silent.
 TEST(AirClock, FramesThatArriveSoonerThanBelievedCorrectTheEstimate) {
   AirClock clock(1500);
