@@ -263,6 +263,14 @@ def test_the_rule_holds_wherever_a_robot_is(
     assert (without_robots(grid, positions, RADIUS).cells == expected).all()
 
 
+def test_a_map_without_traces_of_robots_is_not_copied() -> None:
+    """Positions come twice a second from each robot; copies and what follows from them took a sixth of navigation."""
+    cells = np.zeros((80, 80), np.int8)
+    cells[:, 0] = 100
+    grid = OccupancyGrid.of(cells, 0.05)
+    assert without_robots(grid, [(2.0, 2.0), (0.3, 2.0)], RADIUS) is grid
+
+
 def test_how_large_a_trace_may_be_follows_the_largest_robot_of_the_team() -> None:
     cells = np.zeros((80, 80), np.int8)
     cells[30:50, 30:50] = 100  # 1 m across

@@ -355,6 +355,11 @@ def may_begin(rows: np.ndarray, obstacles: np.ndarray) -> bool:
     return _navigation.is_clear((1.0, 2.0, 0.0), (0.0, 0.0), target, obstacles, LIMITS, FOOTPRINT, horizon)
 
 
+def nobody() -> np.ndarray:
+    """No followers."""
+    return np.empty((0, 4))
+
+
 def test_away_from_a_jamb_behind_that_the_body_seems_to_touch() -> None:
     """Every plan began with a motion that was not clear, twice a second for the rest of the mission."""
     jamb = np.array([(1.0 - 0.169, 2.0 - 0.185, 0.0, 0.0), (1.0 - 0.218, 2.0 - 0.177, 0.0, 0.0)])
@@ -363,12 +368,28 @@ def test_away_from_a_jamb_behind_that_the_body_seems_to_touch() -> None:
     motion = Motion(NavigationOptions())
     follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
     for step in range(80):
-        motion.velocity = follower.follow(0.1 * step, way, pose, Hazards(jamb, np.empty((0, 4))), stuck=True) or STOP
+        motion.velocity = follower.follow(0.1 * step, way, pose, Hazards(jamb, nobody), stuck=True) or STOP
         yaw = pose.yaw + 0.1 * motion.velocity[1]
         way_on = 0.1 * motion.velocity[0]
         pose = Pose(pose.x + way_on * math.cos(yaw), pose.y + way_on * math.sin(yaw), yaw)
     assert math.dist(pose[:2], (1.0, 2.0)) > 0.3
     assert _navigation.clearance(tuple(pose), jamb, FOOTPRINT) > 0.0
+
+
+def test_who_may_have_followed_is_asked_for_manoeuvres_only() -> None:
+    """It took a tenth of each step of a robot that drove ahead."""
+    asked: List[bool] = []
+
+    def followers() -> np.ndarray:
+        asked.append(True)
+        return nobody()
+
+    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (3.0, 2.0), 0.5)
+    assert way is not None
+    follower, hazards = Follower(Motion(NavigationOptions()), NavigationOptions()), Hazards(np.empty((0, 4)), followers)
+    assert follower.follow(0.0, way, Pose(1.0, 2.0, 0.0), hazards, stuck=False) and not asked
+    follower.follow(0.1, way, Pose(1.0, 2.0, 0.0), hazards, stuck=True)
+    assert asked
 
 
 def test_a_manoeuvre_slows_down_where_it_would_turn_too_far() -> None:
@@ -383,7 +404,7 @@ def test_a_manoeuvre_slows_down_where_it_would_turn_too_far() -> None:
     motion = Motion(NavigationOptions())
     follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
     for step in range(150):
-        hazards = Hazards(obstacles, np.empty((0, 4)))
+        hazards = Hazards(obstacles, nobody)
         motion.velocity = follower.follow(0.1 * step, way, pose, hazards, stuck=step > 20) or STOP
         pose = pose.compose(Pose(0.1 * motion.velocity[0], 0.0, 0.1 * motion.velocity[1]))
         assert _navigation.clearance(tuple(pose), obstacles, FOOTPRINT) > 0.0
@@ -718,14 +739,14 @@ def test_what_moves_may_have_come_nearer_behind_the_robot() -> None:
     robot = np.where(np.cos(angles - math.pi) > math.cos(0.05), 0.8, 8.0)  # behind
     surroundings.see(make_scan(robot, -math.pi, 2.0 * math.pi / 719, 0.1, 8.0, Pose()), pose, costs, 7.0)
     surroundings.see(EMPTY, pose, costs, 10.0)
-    behind = surroundings.followers(10.0, costs, pose, EMPTY)
+    behind = surroundings.followers(10.0, costs, pose)
     assert len(behind) and behind[:, 0] == pytest.approx(1.2, abs=0.05)
     assert behind[:, 2] == pytest.approx(0.1 + 3.0 * 0.2)
-    assert len(surroundings.followers(10.0, costs, Pose(2.0, 2.0, math.pi), EMPTY)) == 0, "it is seen there"
+    assert len(surroundings.followers(10.0, costs, Pose(2.0, 2.0, math.pi))) == 0, "it is seen there"
     wall = CostMap(room((slice(38, 42), slice(22, 24))), NavigationOptions())
-    assert len(surroundings.followers(10.0, wall, pose, EMPTY)) == 0, "it has turned out to be a wall"
+    assert len(surroundings.followers(10.0, wall, pose)) == 0, "it has turned out to be a wall"
     unknown = CostMap(OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05), NavigationOptions())
-    assert len(surroundings.followers(10.0, unknown, pose, EMPTY)) == 0, "it may be one"
+    assert len(surroundings.followers(10.0, unknown, pose)) == 0, "it may be one"
 
 
 @pytest.mark.parametrize("off", [0.11, -0.11])

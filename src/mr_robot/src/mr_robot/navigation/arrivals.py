@@ -20,12 +20,13 @@ class Arrivals:
         self._settles = settles
         self._before: Optional[OccupancyGrid] = None
         self._since: Dict[Cell, float] = {}
+        self._came, self._came_at = np.empty((0, 2), np.int64), np.empty(0)  # the same as arrays
 
     def update(self, own: OccupancyGrid, now: float) -> None:
         """`own`: the robot's latest own map."""
         before, offset = self._before, _cells_of(own)
         if before is None or before.resolution != own.resolution or offset is None:
-            self._before, self._since = (None if offset is None else own), {}
+            self._keep(None if offset is None else own, {})
             return
         for row, column in self._new_cells(before, own):
             self._since.setdefault((row + offset[0], column + offset[1]), now)
@@ -37,7 +38,12 @@ class Arrivals:
             if inside and cells[row, column] > 50 and now - since < self._settles:
                 cells[row, column] = 0
                 kept[cell] = since
-        self._before, self._since = OccupancyGrid(own.info, cells), kept
+        self._keep(OccupancyGrid(own.info, cells), kept)
+
+    def _keep(self, settled: Optional[OccupancyGrid], since: Dict[Cell, float]) -> None:
+        self._before, self._since = settled, since
+        self._came = np.array(list(since), np.int64).reshape(-1, 2)
+        self._came_at = np.array(list(since.values()), float)
 
     @property
     def settled(self) -> Optional[OccupancyGrid]:
@@ -45,15 +51,18 @@ class Arrivals:
         return self._before
 
     def taken_from(self, grid: OccupancyGrid, now: float) -> OccupancyGrid:
-        """A map with free cells in place of what has come lately."""
+        """A map with free cells in place of what has come lately; itself where it shows nothing of it."""
         offset = _cells_of(grid)
-        present = [cell for cell, since in self._since.items() if now - since < self._settles]
-        if offset is None or self._before is None or self._before.resolution != grid.resolution or not present:
+        present = self._came[now - self._came_at < self._settles]
+        if offset is None or self._before is None or self._before.resolution != grid.resolution or not len(present):
             return grid
-        places = np.array(present) - offset
-        places = places[((places >= 0) & (places < grid.cells.shape)).all(axis=1)]
+        places = present - offset
+        rows, columns = places[grid.info.inside(places)].T
+        walls = grid.cells[rows, columns] > 0
+        if not walls.any():
+            return grid
         cells = grid.cells.copy()
-        cells[places[:, 0], places[:, 1]] = np.minimum(cells[places[:, 0], places[:, 1]], 0)
+        cells[rows[walls], columns[walls]] = 0
         return OccupancyGrid(grid.info, cells)
 
     @staticmethod
@@ -71,10 +80,19 @@ class Arrivals:
         came = (after.cells[a : a + height, b : b + width] > 50) & (old >= 0) & (old <= 50)
         if not came.any():
             return np.empty((0, 2), int)
+        part = _around(came)
+        came, old = came[part], old[part]
         # Beside a wall it is that wall, seen better.
         came &= cv2.dilate((old > 50).astype(np.uint8), np.ones((3, 3), np.uint8)) == 0
         # What is larger came because SLAM draws its map elsewhere.
-        return np.add(np.argwhere(_small(came, round(REACH / after.resolution))), (a, b))
+        small = np.argwhere(_small(came, round(REACH / after.resolution)))
+        return np.add(small, (a + part[0].start, b + part[1].start))
+
+
+def _around(cells: np.ndarray) -> Tuple[slice, slice]:
+    """The window of the cells, bool (rows, columns), and of those beside them."""
+    rows, columns = cells.any(axis=1).nonzero()[0], cells.any(axis=0).nonzero()[0]
+    return slice(max(0, rows[0] - 1), rows[-1] + 2), slice(max(0, columns[0] - 1), columns[-1] + 2)
 
 
 def _small(cells: np.ndarray, most: int) -> np.ndarray:

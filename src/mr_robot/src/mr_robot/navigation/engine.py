@@ -118,7 +118,7 @@ class Navigator:
         obstacles = self._surroundings.obstacles(costs, self._map.own, pose, scan)
         obstacles = self._others.settle(np.concatenate([obstacles, self._others.unseen(now, pose, scan)]), now)
         obstacles = outside(pose, obstacles, self._motion.footprint)
-        hazards = Hazards(obstacles, self._surroundings.followers(now, costs, pose, scan))
+        hazards = Hazards(obstacles, lambda: self._surroundings.followers(now, costs, pose))
         try:
             command = self._turn_around(now, pose, scan, obstacles) or self._act(now, pose, costs, hazards)
         except GivenUp as reason:

@@ -37,7 +37,8 @@ class Follower:
         tight = bare(hazards.obstacles, self._options.obstacle_margin)
         self.gained_room = False
         wanted = self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck)
-        tight = np.concatenate([tight, bare(hazards.followers, self._options.obstacle_margin)])
+        if wanted or self._manoeuvre is not None:
+            tight = np.concatenate([tight, bare(hazards.followers(), self._options.obstacle_margin)])
         if wanted:
             self._planned_at = now
             self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits)

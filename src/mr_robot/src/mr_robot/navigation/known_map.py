@@ -22,6 +22,7 @@ class KnownMap:
         self._robots: List[Tuple[float, float]] = []
         self._costs_hold = False  # whether they are those of the present map and positions
         self._own: Optional[_navigation.Map] = None
+        self._own_grid: Optional[OccupancyGrid] = None  # that it was made of
         self._own_holds = False
 
     def set_grid(self, grid: OccupancyGrid) -> None:
@@ -66,7 +67,8 @@ class KnownMap:
         settled = self._arrivals.settled
         if settled is not None and not self._own_holds:
             grid = without_robots(settled, self._robots, self._options.largest_robot_radius)
-            self._own = _navigation.Map(grid.cells, grid.resolution, grid.origin[:2])
+            if grid is not self._own_grid:
+                self._own, self._own_grid = _navigation.Map(grid.cells, grid.resolution, grid.origin[:2]), grid
         self._own_holds = True
         return None if settled is None else self._own
 

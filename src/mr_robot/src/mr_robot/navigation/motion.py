@@ -75,13 +75,14 @@ class Motion:
 def outside(pose: Pose, obstacles: np.ndarray, footprint: _navigation.Footprint) -> np.ndarray:
     """Rows (x, y, margin, reaction time) but for those farther inside the body than poses and points are inexact: where
     it stands nothing is, and from what it touches already any motion may come nearer to all the rest."""
-    offsets = np.abs(pose.apply_inverse(obstacles[:, :2])) - (footprint.half_length, footprint.half_width)
-    return obstacles[offsets.max(axis=1) > -_navigation.TOUCHING]
+    x, y = np.abs(pose.apply_inverse(obstacles[:, :2])).T
+    inside = _navigation.TOUCHING
+    return obstacles[(x - footprint.half_length > -inside) | (y - footprint.half_width > -inside)]
 
 
 def bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
     """Rows (x, y, margin, reaction time) with `margin`, m, less: as near as the body can come. At speed what moves is
     kept away from all the same."""
-    rows = obstacles - (0.0, 0.0, margin, 0.0)
-    rows[:, 2] = np.maximum(rows[:, 2], 0.0)
+    rows = obstacles.copy()
+    rows[:, 2] = np.maximum(rows[:, 2] - margin, 0.0)
     return rows

@@ -43,6 +43,8 @@ class OtherRobots:
         self._half_size = (0.5 * options.footprint_length, 0.5 * options.footprint_width)
         self._radius, self._wall_margin = options.largest_robot_radius, options.obstacle_margin
         self._rim = round(options.largest_robot_radius - _navigation.TOUCHING, 3) * CIRCLE
+        # m, from where on a robot will be nowhere near soon, with room for rounding.
+        self._far = 2.0 * REACH + self._fastest * (STANDING + SOON[-1])
         self._margins = (options.moving_margin, options.moving_reaction_time)
 
     def hear(self, positions: Mapping[str, Point], now: float) -> List[str]:
@@ -81,7 +83,13 @@ class OtherRobots:
         """Rows (x, y, margin, reaction time), map frame: rims of robots where the laser is blind; of one with the right
         of way, whose name sorts earlier, also where it will be soon, so that one of two robots that drive towards the
         same place lets the other pass."""
-        names = [name for name, place in self.lately(now).items() if not self._is_here(place, pose)]
+        names = [
+            name
+            for name, place in self.lately(now).items()
+            if math.dist(place, pose[:2]) < self._far and not self._is_here(place, pose)
+        ]
+        if not names:
+            return np.empty((0, 4))
         places = np.array([place for name in names for place in self._ground_of(name, now)]).reshape(-1, 2)
         near = places[np.hypot(*(places - pose[:2]).T) < REACH]
         blind = near[scan.blind_to(pose.apply_inverse(near))] if len(near) else near

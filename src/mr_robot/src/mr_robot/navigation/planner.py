@@ -163,11 +163,9 @@ def robot_extent(radius: float) -> float:
 
 
 def without_robots(grid: OccupancyGrid, positions: List[Tuple[float, float]], radius: float) -> OccupancyGrid:
-    """The grid without the small isolated obstacles where robots stand. `radius`: of the largest, m. `explorer` has the
-    same rule."""
-    if not positions:
-        return grid
-    cells = grid.cells.copy()
+    """The grid without the small isolated obstacles where robots stand; itself where there are none. `radius`: of the
+    largest, m. `explorer` has the same rule."""
+    cells = grid.cells
     # An obstacle that is small and near enough lies wholly in the window, so one cut off at its edge is never taken.
     most_apart, largest = robot_reach(radius), robot_extent(radius)
     reach = int((most_apart + largest) / grid.resolution) + 2
@@ -186,8 +184,12 @@ def without_robots(grid: OccupancyGrid, positions: List[Tuple[float, float]], ra
         near = np.hypot(middles_x - x, middles_y - y) <= most_apart
         robots = near & (extent <= largest + 1e-9)
         robots[0] = False  # the ground between the obstacles
-        window[robots[labels]] = 0
-    return OccupancyGrid(grid.info, cells)
+        if robots.any():
+            if cells is grid.cells:
+                cells = cells.copy()
+                window = cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
+            window[robots[labels]] = 0
+    return grid if cells is grid.cells else OccupancyGrid(grid.info, cells)
 
 
 def plan(

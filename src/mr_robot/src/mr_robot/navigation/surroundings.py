@@ -1,7 +1,7 @@
 """What is around the robot beside the walls of its map: what its laser sees and has seen."""
 
 import math
-from typing import NamedTuple, Optional
+from typing import Callable, NamedTuple, Optional
 
 import numpy as np
 
@@ -21,7 +21,7 @@ class Hazards(NamedTuple):
     """Rows (x, y, margin, reaction time) in the map frame."""
 
     obstacles: np.ndarray
-    followers: np.ndarray  # what may have come nearer behind the robot, for manoeuvres
+    followers: Callable[[], np.ndarray]  # what may have come nearer behind the robot; only manoeuvres ask
 
 
 class Surroundings:
@@ -59,13 +59,13 @@ class Surroundings:
             scan.ranges, scan.angle_min, scan.angle_increment, scan.mount,
         )  # fmt: skip
 
-    def followers(self, now: float, costs: CostMap, pose: Pose, scan: Scan) -> np.ndarray:
-        """Rows (x, y, margin, reaction time), map frame, of what the robot saw on free ground behind it and sees no
-        more: it may have come nearer since."""
+    def followers(self, now: float, costs: CostMap, pose: Pose) -> np.ndarray:
+        """Rows (x, y, margin, reaction time), map frame, of what the robot saw on free ground behind it, where it is
+        blind: it may have come nearer since."""
         rows = self._memory.rows
         places = pose.apply_inverse(rows[:, :2])
         behind = (places[:, 0] < -self._footprint.half_length) & (np.hypot(*places.T) < self._near)
-        rows = rows[behind & scan.blind_to(places)]
+        rows = rows[behind]
         rows = rows[costs.is_open(rows[:, :2], _navigation.SAME_SURFACE)]
         margins = self._options.moving_margin + APPROACH * (now - rows[:, 2])
         return np.column_stack([rows[:, :2], margins, np.full(len(rows), self._options.moving_reaction_time)])
