@@ -224,6 +224,15 @@ def test_work_is_as_large_as_the_change(monkeypatch: pytest.MonkeyPatch) -> None
     assert len(measured) == 2 and third.grid is second.grid
 
 
+def test_costs_from_the_same_cell_are_not_computed_again() -> None:
+    building = Growing.drawn(3)
+    grid = Ways(building.map(), 0.25, []).grid
+    field = grid.field_from(1.0, 4.0)
+    assert grid.field_from(1.01, 4.01, field) is field and grid.field_from(1.5, 4.0, field) is not field
+    other = Ways(building.map(), 0.25, []).grid
+    assert other.field_from(1.0, 4.0, field) is not field
+
+
 def test_equal_map_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
     building = Growing.drawn(3)
     perceiver = Perceiver(forgetful=False)

@@ -60,6 +60,34 @@ def test_numbers_of_the_contract_and_names() -> None:
         registered(type("Other", (FrontierStrategy,), {"number": 3, "name": "other", "title": ""}))
 
 
+def test_scenes_take_over_what_still_holds() -> None:
+    """In a team of sixteen a robot decides sixty times a second; a third of the time went into who claims what."""
+    first = scene(cluster(1, 7.0), cluster(2, 9.0), claims={"robot_1": listed((9.0, 5.0), (9.0, 5.2))})
+    assert (first.claimed, len(first.views)) == ({2: "robot_1"}, 6)
+    later, busy, unclaimed, other = (
+        replace(first, **change)
+        for change in ({"now": 1.0}, {"ready": frozenset([10])}, {"claims": {}}, {"clusters": first.clusters[:1]})
+    )
+    for each in (later, busy, unclaimed, other):
+        each.take_over(first)
+    assert later.claimed is first.claimed and later.open is first.open
+    assert busy.views is first.views and [each.number for each in busy.open] == [1] and not busy.claimed
+    assert unclaimed.open is first.open and not unclaimed.claimed
+    assert len(other.views) == 3 and not other.claimed
+
+
+def test_costs_of_others_are_looked_up_once_for_each_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    known, one, asked = scene(cluster(1, 7.0), positions={"robot_1": (6.0, 5.0)}), strategy(7), []
+    ways = HALL.from_robot
+    monkeypatch.setattr(HALL, "from_robot", lambda place: asked.append(place) or ways(place))
+    costs = [one.estimate(each, place, each.clusters[0]) for each in (known, replace(known, now=1.0))
+             for place in ((6.0, 5.0), (3.0, 5.0))]  # fmt: skip
+    assert asked == [(6.0, 5.0), (3.0, 5.0)] and costs[:2] == costs[2:] and costs[0] < costs[1]
+    large = replace(known, team=("a", "b", "c", "d"))
+    assert one.estimate(large, (6.0, 5.0), large.clusters[0]) != costs[0], "in a large team bids are ways alone"
+    assert one.estimate(replace(known), (6.0, 5.0), known.clusters[0]) == costs[0]
+
+
 def test_order_of_frontiers() -> None:
     """The second is nearer in a straight line, its way is longer."""
     first, second, third = cluster(1, 7.0), replace(cluster(2, 4.0), views={20: (4.0, 5.0, 9.0)}), cluster(3, 15.0)

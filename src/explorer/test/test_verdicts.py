@@ -39,15 +39,15 @@ def test_a_look_ends_with_a_map_that_was_made_after_it() -> None:
     verdicts = known(POINT)
     verdicts.look(POINT.number, lambda _: False, area_near(1.0), 1.0)
     assert not verdicts.judge_looked(1.0, cells_near(9), area_near(1.5))
-    assert verdicts.awaits_map(4.9) and not verdicts.of(7).ready(4.9)
+    assert verdicts.awaits_map(4.9) and verdicts.of(7).ready_at > 4.9
     assert not verdicts.judge_looked(1.1, cells_near(9), area_near(1.5))
-    assert not verdicts.awaits_map(1.2) and verdicts.of(7).ready(1.2)
+    assert not verdicts.awaits_map(1.2) and verdicts.of(7).ready_at <= 1.2
 
 
 def test_a_look_does_not_wait_for_ever_for_a_map() -> None:
     verdicts = known(POINT)
     verdicts.look(POINT.number, lambda _: False, area_near(1.0), 1.0)
-    assert not verdicts.of(7).ready(1.0 + 7.9) and verdicts.of(7).ready(1.0 + 8.0)
+    assert verdicts.of(7).ready_at == 1.0 + 8.0
 
 
 def test_visited_after_two_looks_and_a_younger_map() -> None:

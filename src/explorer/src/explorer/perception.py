@@ -89,7 +89,7 @@ class Perception:
             ways = Ways(occupancy, radius, others, team, self.ways, largest)
             gone = self._read(occupancy, verdicts, ways, now)
         assert self.ways is not None
-        self.field = self.ways.grid.field_from(pose.x, pose.y)
+        self.field = self.ways.grid.field_from(pose.x, pose.y, self.field)
         self._views = Views(occupancy, self.field, self._options.view_distance, self._views)
         self._place, self._time = (pose.x, pose.y), now
         self._new_map = self._stale = False

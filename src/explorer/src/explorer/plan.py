@@ -1,7 +1,7 @@
 """Who goes where, as one robot sees it: all clusters shared out among all robots, each with a tour of its own."""
 
 import math
-from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -73,11 +73,10 @@ def shared_out(scene: Scene, own: np.ndarray, robots: Sequence[str], others: np.
     clusters = [scene.open[row] for row in rows]
     starts = np.vstack([_loyal(own[rows], clusters, scene.own)[None, :], others[rows].T])
     starts[~(starts < LONGEST_WAY)] = math.inf
-    claims = [
-        next((stop for stop, each in enumerate(clusters) if scene.claimed.get(each.number) == robot), None)
-        for robot in robots
-    ]
-    held = [_held(own[rows], starts[robot], stop) for robot, stop in enumerate(claims, start=1)]
+    claims: Dict[Optional[str], int] = {}
+    for stop, each in enumerate(clusters):
+        claims.setdefault(scene.claimed.get(each.number), stop)
+    held = [_held(own[rows], starts[index], claims.get(robot)) for index, robot in enumerate(robots, start=1)]
     service = np.array([SERVICE + SERVICE_PER_AREA * min(cluster.gain, GREATEST_AREA) for cluster in clusters])
     errand = Errand(starts, between.of(clusters), service, [None, *held])
     return Plan(clusters, errand, share_out(errand))

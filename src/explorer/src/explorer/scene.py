@@ -34,6 +34,17 @@ class Scene:
     team: Tuple[str, ...] = ()
     start: Position = (0.0, 0.0)
 
+    def take_over(self, former: "Scene") -> None:
+        """What was computed for a former scene, where it depends on nothing that has changed since."""
+        if former.clusters is not self.clusters:
+            return
+        kept = ["candidates", "views"]
+        if former.ready == self.ready:
+            kept += ["open", "frontiers"]
+            if former.claims is self.claims:
+                kept.append("claimed")
+        self.__dict__.update({name: former.__dict__[name] for name in kept if name in former.__dict__})
+
     @property
     def place(self) -> Position:
         return (self.pose.x, self.pose.y)

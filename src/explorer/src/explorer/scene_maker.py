@@ -1,6 +1,6 @@
 """Puts together what the robot knows now."""
 
-from typing import Dict, List, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from explorer.claim import OwnClaim
 from explorer.clusters import Cluster
@@ -32,11 +32,12 @@ class SceneMaker:
         self._listed: Dict[str, Listed] = {}
         self._clusters: Tuple[Cluster, ...] = ()
         self._seen: List[int] = []
+        self._scene: Optional[Scene] = None
 
     def scene(self, now: float) -> Scene:
         assert self._senses.pose is not None and self._perception.ways is not None
         clusters, home = self._perception.clusters, self._senses.home or self._senses.pose
-        return Scene(
+        scene = Scene(
             now=now,
             pose=self._senses.pose,
             ways=self._perception.ways,
@@ -51,6 +52,10 @@ class SceneMaker:
             team=tuple(self._team.known()),
             start=(home.x, home.y),
         )
+        if self._scene is not None:
+            scene.take_over(self._scene)
+        self._scene = scene
+        return scene
 
     def _seen_in(self, clusters: Tuple[Cluster, ...]) -> List[int]:
         """Numbers of the points in sight of a reachable place."""

@@ -29,9 +29,11 @@ class CostField:
     no path leads.
     """
 
-    def __init__(self, grid: "TravelGrid", cost: np.ndarray) -> None:
+    def __init__(self, grid: "TravelGrid", cost: np.ndarray, start: Optional[Tuple[int, int]] = None) -> None:
+        """`start`: the cell of the place, if there is one."""
         self.grid = grid
         self.cost = cost
+        self.start = start
 
     @cached_property
     def reachable(self) -> np.ndarray:
@@ -92,13 +94,15 @@ class TravelGrid:
         weight[~self.traversable] = math.inf
         self.weighted: WeightedGrid = WeightedGrid(weight, self.info.resolution)
 
-    def field_from(self, x: float, y: float) -> CostField:
+    def field_from(self, x: float, y: float, former: Optional[CostField] = None) -> CostField:
         """Costs from a point in metres; all infinite if the point is off the traversable cells by more than
-        `SNAP_DISTANCE`."""
+        `SNAP_DISTANCE`. `former`: any earlier field; it is returned itself where nothing has changed."""
         start = self.nearest(self.traversable, x, y, SNAP_DISTANCE)
         if start is None:
             return CostField(self, np.full(self.traversable.shape, math.inf))
-        return CostField(self, self.weighted.costs_from(*start))
+        if former is not None and former.grid is self and former.start == start:
+            return former
+        return CostField(self, self.weighted.costs_from(*start), start)
 
     def clearance_at(self, x: float, y: float) -> float:
         """m to the nearest obstacle from a traversable cell at a point in metres; see `Ground` for the most."""

@@ -1,7 +1,7 @@
 """Strategy 7, the best there is: clusters are shared out among the robots, and shared out anew while driving."""
 
 import math
-from typing import Dict, Optional, Sequence
+from typing import Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from explorer.scene import Scene
 from explorer.strategies.others import costs_of_others
 from explorer.strategies.strategy import Allocation, Bids, ClusterStrategy, registered
 from explorer.tour import MAXIMUM_STOPS, tour_lengths
+from explorer.ways import Ways
 
 # Smaller teams assign one cluster to each robot. Measured on the office (seeds 2601 to 2604, 2701 to 2703) and on
 # generated floors (2611 to 2615): sharing out takes 7 % longer with two robots, as long with four, and a quarter less
@@ -28,6 +29,8 @@ OFFSET = 2.0  # m, keeps bids positive (a negative bid means none)
 LOYALTY = 2.0  # m in favour of the cluster that a robot explores already
 CROWD_DISTANCE = 4.0  # m, a cluster this near to another robot's costs more
 CROWD_PENALTY = 4.0  # m
+
+MOST_ESTIMATES = 10_000  # that are kept
 
 PARTING_DISTANCE = 5.0  # m from the start within which robots that cannot place each other part
 PARTING_WAY = 12.0  # m that a cluster may be farther than the nearest to be taken for its direction
@@ -46,6 +49,8 @@ class Coordinated(ClusterStrategy):
         self._planned: Sequence[Cluster] = ()
         self._between = Between({}, np.zeros((0, 0)))
         self._detours: Dict[int, float] = {}
+        self._estimated: Tuple[Sequence[Cluster], Optional[Ways], bool] = ((), None, False)
+        self._estimates: Dict[Tuple[Position, int], float] = {}
 
     def bid(self, scene: Scene, cluster: Cluster) -> float:
         x, y = cluster.place
@@ -58,6 +63,17 @@ class Coordinated(ClusterStrategy):
         return travel_bid(cluster.cost, cluster.gain, angle, self._detours.get(cluster.number, 0.0))
 
     def estimate(self, scene: Scene, position: Position, cluster: Cluster) -> float:
+        before, now = self._estimated, (scene.clusters, scene.ways, sharing(scene))
+        same = before[0] is now[0] and before[1] is now[1] and before[2] == now[2]
+        if not same or len(self._estimates) >= MOST_ESTIMATES:
+            self._estimated, self._estimates = now, {}
+        asked = (position, cluster.number)
+        if asked not in self._estimates:
+            self._estimates[asked] = self._estimate(scene, position, cluster)
+        return self._estimates[asked]
+
+    @staticmethod
+    def _estimate(scene: Scene, position: Position, cluster: Cluster) -> float:
         length = scene.ways.from_robot(position).at(*cluster.place)
         if not math.isfinite(length):
             length = 2.0 * distance(position, cluster.place)
