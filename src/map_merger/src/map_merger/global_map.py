@@ -6,7 +6,7 @@ on what was set, not on the order. How cells are weighed is in `weighing`, which
 
 from dataclasses import replace
 from enum import Enum
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Collection, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -142,8 +142,16 @@ class GlobalMap:
 
     def _mark(self, box: Box) -> None:
         if not box.empty and self._local is not None:
-            margin = weighing.reach(len(self._layers)) + ghosts.reach(self._lattice.resolution, self._size)
-            self._dirty.add(box, margin)
+            # One more for the map that changed, which may have known something here before.
+            self._dirty.add(box, self._reach(box, self._layers, more=1))
+
+    def _reach(self, box: Box, names: Collection[str], more: int = 0) -> int:
+        """Cells from the box within which cells depend on one another by these maps and so many more; such that know
+        nothing near pass nothing on."""
+        beside = ghosts.reach(self._lattice.resolution, self._size)
+        around = box.grown(weighing.reach(len(names) + more) + beside)
+        near = sum(not self._layers[name].box.intersection(around).empty for name in names)
+        return weighing.reach(near + more) + beside
 
     def _most_cells(self) -> int:
         return max(MOST_GLOBAL_CELLS, self._at.area)
@@ -174,8 +182,7 @@ class GlobalMap:
 
     def _computed(self, box: Box) -> Box:
         """Computes the cells of the box; returns the box of those that changed."""
-        margin = weighing.reach(len(self._drawn)) + ghosts.reach(self._lattice.resolution, self._size)
-        around = box.grown(margin)
+        around = box.grown(self._reach(box, self._drawn))
         maps = self._maps(around, self._drawn)
         places = {name: each.cells for name, each in self._places.items()}
         maps = ghosts.without_ghosts(maps, places, around, self._lattice.resolution, self._size)

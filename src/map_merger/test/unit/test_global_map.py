@@ -448,12 +448,17 @@ def noisy_maps(random, count, rows=70, columns=90):
     return maps
 
 
-def operations(random, count):
-    """Calls of GlobalMap, (method, arguments): maps that change and grow, new transforms, places, removals."""
+def operations(random, count, spread):
+    """Calls of GlobalMap, (method, arguments): maps that change and grow, new transforms, places, removals. `spread`: m
+    that maps lie apart at most, along each axis."""
+
+    def transform():
+        return Pose(*random.uniform(-spread, spread, 2), *random.uniform(-1.0, 1.0, 1))
+
     maps = dict(zip(["own", "a", "b", "c"], noisy_maps(random, 4)))
     versions, calls = dict.fromkeys(maps, 0), []
     places = {name: np.empty((0, 2)) for name in maps}
-    transforms = {name: Pose(*random.uniform(-1.0, 1.0, 3)) for name in maps}
+    transforms = {name: transform() for name in maps}
     calls.append(("set_local", (maps["own"],)))
     for _ in range(count):
         name = str(random.choice(list(maps)))
@@ -478,7 +483,7 @@ def operations(random, count):
             calls.append(("remove_layer", (name,)))
             continue
         else:
-            transforms[name] = Pose(*random.uniform(-1.0, 1.0, 3))
+            transforms[name] = transform()
         versions[name] += 1
         if name == "own":
             calls.append(("set_local", (maps[name],)))
@@ -501,11 +506,11 @@ def last_state(calls):
 
 
 @pytest.mark.parametrize("policy", POLICIES)
-@given(st.integers(0, 2**32 - 1))
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1.0, 6.0]))
 @settings(max_examples=40)
-def test_step_by_step_or_at_once_in_any_order_the_map_is_the_same(policy, seed):
+def test_step_by_step_or_at_once_in_any_order_the_map_is_the_same(policy, seed, spread):
     random = np.random.default_rng(seed)
-    calls = operations(random, 25)
+    calls = operations(random, 25, spread)
     stepwise, shown = GlobalMap("own", policy), None
     for method, arguments in calls:
         getattr(stepwise, method)(*arguments)
@@ -544,6 +549,25 @@ def test_one_changed_tile_computes_the_tiles_around_it_only(monkeypatch):
     fusion.set_layer("a", changed, 1, Pose(0.1, 0.1, 0.1), Box(600, 600, 632, 632))
     assert fusion.render().changed.area < 64 * 64
     assert sum(computed) < 320 * 320
+
+
+def test_maps_that_know_nothing_near_a_change_cost_nothing(monkeypatch):
+    """Each map of a large team made a change reach further, and all that far was computed."""
+    fusion, computed = GlobalMap("own"), []
+    fusion.set_local(unknown(1200, 1200))
+    fusion.set_layer("a", room(), 0, Pose())
+    for number in range(14):
+        fusion.set_layer(f"far_{number}", room(), 0, Pose(20.0, 0.0, 0.0))
+    fusion.render()
+    weigh = weighing.weighed
+    monkeypatch.setattr(
+        weighing, "weighed", lambda local, *others: computed.append(local.size) or weigh(local, *others)
+    )
+    changed = room()
+    changed.cells[20:22, 20:22] = OCCUPIED
+    fusion.set_layer("a", changed, 1, Pose())
+    assert fusion.render() is not None
+    assert computed[0] < 200 * 200
 
 
 def test_a_map_that_never_saw_its_robot_costs_nothing(monkeypatch):
