@@ -75,7 +75,7 @@ class TeamGraph:
         edges = tuple(edges)
         if not differ(self._own_edges, edges, _CHANGE):
             return ()
-        usable, refused = _usable(edges)
+        usable, refused = _usable(edges, self._own_edges)
         if usable != self._own_edges:
             self._own_edges, self._solution = usable, None
         return refused
@@ -99,9 +99,10 @@ class TeamGraph:
         if report.robot not in self._reports and len(self._reports) >= MOST_ROBOTS - 1:
             return (f"transforms of {report.robot} ignored: {MOST_ROBOTS} robots tell theirs already",)
         self._remember(report.robot)
-        edges, refused = _usable(report.edges, (report.robot, report.boot))
         runs = self._reports.setdefault(report.robot, {})
         before = runs.pop(report.boot, None)
+        known = () if before is None else before.edges
+        edges, refused = _usable(report.edges, known, (report.robot, report.boot))
         changed = before is None or differ(before.edges, edges, _CHANGE)
         runs[report.boot] = EdgeReport(report.robot, report.boot, edges) if before is None or changed else before
         self._bound_runs(report.robot)
@@ -176,14 +177,17 @@ class TeamGraph:
 
 
 def _usable(
-    told: Tuple[Edge, ...], teller: Optional[Tuple[str, Boot]] = None
+    told: Tuple[Edge, ...], known: Tuple[Edge, ...], teller: Optional[Tuple[str, Boot]] = None
 ) -> Tuple[Tuple[Edge, ...], Tuple[str, ...]]:
-    """What may be used of what was told, one edge to each robot, and why the rest may not."""
+    """What may be used of what was told, one edge to each robot, and why the rest may not. `known`: what was found
+    usable before; most of it is told again."""
     edges: Dict[str, Edge] = {}
+    before = {edge.target: edge for edge in known}
     refused = []
     for edge in told[:MOST_EDGES]:
         try:
-            check(edge)
+            if edge != before.get(edge.target) or not 0.0 <= edge.age < math.inf:
+                check(edge)
             if teller is not None and (edge.reporter, edge.reporter_run) != teller:
                 raise EdgeError(f"transform {edge.reporter} - {edge.target}: told by {teller[0]}")
             if edge.target in edges:
