@@ -869,6 +869,20 @@ def test_what_comes_into_the_own_map_is_no_wall_until_it_has_settled() -> None:
         assert (arrivals.taken_from(robot, now).cells[30:36, 40:46] == (100 if present else 0)).all()
 
 
+def test_a_map_without_what_has_come_is_made_once() -> None:
+    """It was made anew with each position that another robot told."""
+    arrivals, empty = Arrivals(30.0), room()
+    robot = OccupancyGrid.of(empty.cells.copy(), 0.05)
+    robot.cells[30:36, 40:46] = 100
+    arrivals.update(empty, 0.0)
+    arrivals.update(robot, 2.0)
+    taken = arrivals.taken_from(robot, 3.0)
+    assert arrivals.taken_from(robot, 4.0) is taken and not taken.equals(robot)
+    assert arrivals.taken_from(robot, 33.0).equals(robot), "it has settled"
+    arrivals.update(robot, 34.0)
+    assert arrivals.taken_from(robot, 34.0).equals(robot)
+
+
 def test_walls_that_slam_draws_elsewhere_are_still_walls() -> None:
     """After a loop is closed they stand where there was free ground."""
     arrivals = Arrivals(30.0)

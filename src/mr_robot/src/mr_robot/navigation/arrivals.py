@@ -21,6 +21,8 @@ class Arrivals:
         self._before: Optional[OccupancyGrid] = None
         self._since: Dict[Cell, float] = {}
         self._came, self._came_at = np.empty((0, 2), np.int64), np.empty(0)  # the same as arrays
+        # A map, which of the cells were taken out of it, and what was left.
+        self._taken: Optional[Tuple[OccupancyGrid, np.ndarray, OccupancyGrid]] = None
 
     def update(self, own: OccupancyGrid, now: float) -> None:
         """`own`: the robot's latest own map."""
@@ -44,6 +46,7 @@ class Arrivals:
         self._before, self._since = settled, since
         self._came = np.array(list(since), np.int64).reshape(-1, 2)
         self._came_at = np.array(list(since.values()), float)
+        self._taken = None
 
     @property
     def settled(self) -> Optional[OccupancyGrid]:
@@ -52,8 +55,13 @@ class Arrivals:
 
     def taken_from(self, grid: OccupancyGrid, now: float) -> OccupancyGrid:
         """A map with free cells in place of what has come lately; itself where it shows nothing of it."""
+        lately = now - self._came_at < self._settles
+        if self._taken is None or self._taken[0] is not grid or not np.array_equal(self._taken[1], lately):
+            self._taken = (grid, lately, self._without(grid, self._came[lately]))
+        return self._taken[2]
+
+    def _without(self, grid: OccupancyGrid, present: np.ndarray) -> OccupancyGrid:
         offset = _cells_of(grid)
-        present = self._came[now - self._came_at < self._settles]
         if offset is None or self._before is None or self._before.resolution != grid.resolution or not len(present):
             return grid
         places = present - offset
