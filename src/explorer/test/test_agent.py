@@ -1061,10 +1061,10 @@ def test_costs_for_the_robots_of_a_large_team_are_computed_once_for_a_map(monkey
     computed: List[tuple] = []
     field_from = TravelGrid.field_from
 
-    def counted(grid: TravelGrid, x: float, y: float) -> Any:
+    def counted(grid: TravelGrid, x: float, y: float, *former: Any) -> Any:
         if (x, y) in places.values():
             computed.append((x, y))
-        return field_from(grid, x, y)
+        return field_from(grid, x, y, *former)
 
     monkeypatch.setattr(TravelGrid, "field_from", counted)
     bench = Bench(7, auction_timeout=1.0).map(corridor())
