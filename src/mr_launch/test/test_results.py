@@ -179,6 +179,14 @@ def test_ends_that_are_followed_by_a_new_start_are_counted_while_they_are_few(tm
     assert [end.name for end in NodeWatch(tmp_path / "robot_0.log").failures()][:1] == ["explorer"]
 
 
+@pytest.mark.parametrize("respawns", [False, True])
+def test_status_page_that_is_started_again_is_counted_and_ends_no_mission(tmp_path, respawns):
+    died = "[page-9] process has died [pid 7, exit code -9, cmd x].\nlog file: /x*.log\n"
+    (tmp_path / "robot_0.log").write_text((MOST_RESTARTS + 1) * died)
+    watch = NodeWatch(tmp_path / "robot_0.log", respawns)
+    assert watch.failures() == [] and watch.restarts == {"page": MOST_RESTARTS + 1}
+
+
 def test_node_that_could_not_be_started():
     (end,) = parse_ends(
         "\x1b[31mERROR: cannot launch node of type [mr_robot/slam]: Cannot locate node of type [slam]\x1b[0m\n"

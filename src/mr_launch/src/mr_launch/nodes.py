@@ -17,7 +17,7 @@ _LOG = re.compile(r"log file: (?P<pattern>[^\n\x1b]+)")
 _RECORDING = re.compile(rf"^{LABEL}(?P<text>.*)$", re.MULTILINE)
 _EXIT = re.compile(r"exit code (-?\d+)")
 MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
-NOT_NEEDED = ("page",)  # it is started again
+ALWAYS_RESPAWNED = ("page",)  # nobody needs it
 RESPAWNED = (
     "adhoc_communication",
     "map_merger",
@@ -54,7 +54,7 @@ def parse_ends(output: str) -> list[NodeEnd]:
         for found in _NOT_STARTED.finditer(output)
     ]
     for found in _ENDED.finditer(output):
-        if found["name"] in NOT_NEEDED or (found["name"] in MAY_FINISH and found["how"] != "died"):
+        if found["name"] in MAY_FINISH and found["how"] != "died":
             continue
         following = output[found.end() :].split("process has", 1)[0]
         code = _EXIT.search(found["detail"] or "")
@@ -87,11 +87,14 @@ class NodeWatch:
     def failures(self) -> list[NodeEnd]:
         """Ends that the mission does not survive. The others are counted in `restarts`."""
         ends = self.new_ends()
-        if not self._respawns or not ends:
-            return ends
-        counts = Counter(end.name for end in ends if end.name in RESPAWNED and not end.reason)
-        self.restarts = dict(counts)
-        return [end for end in ends if end.reason or not 0 < counts[end.name] <= MOST_RESTARTS]
+        if not ends:
+            return []
+        started_again = ALWAYS_RESPAWNED + (RESPAWNED if self._respawns else ())
+        self.restarts = dict(Counter(end.name for end in ends if end.name in started_again and not end.reason))
+        return [end for end in ends if end.reason or not self._survives(end.name)]
+
+    def _survives(self, node: str) -> bool:
+        return node in ALWAYS_RESPAWNED or 0 < self.restarts.get(node, 0) <= MOST_RESTARTS
 
     def take_lost_map(self) -> bool:
         """Whether SLAM has ended since this was last asked, and its map with it."""
