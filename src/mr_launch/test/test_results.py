@@ -1,11 +1,13 @@
 """Trace, maps, pictures and what roslaunch says about nodes."""
 
+import io
 import pickle
 
 import cv2
 import numpy as np
 import pytest
 import yaml
+from rich.console import Console
 
 from explorer.orders import PAUSED
 from mr_grid import OccupancyGrid, Pose
@@ -17,7 +19,7 @@ from mr_launch.processor_shares import cpu_shares, process_name
 from mr_launch.reports import RobotReport
 from mr_launch.results import exploration_end, last_finish
 from mr_launch.truth import Truth
-from mr_launch.view import Picture, RobotRow, plain_lines
+from mr_launch.view import Picture, RobotRow, live_table, plain_lines
 from mr_launch.world import Meter, load_known
 from mr_measures import truth as measures
 from mr_measures.motion import read_trace
@@ -219,12 +221,28 @@ def test_what_a_map_knew_goes_to_the_runner(tmp_path):
 
 
 def test_plain_lines_say_it_all():
-    row = RobotRow("robot_0", "exploring", 0.5, 12.34, (-0.04, 2.0), ["robot_1"], [], "")
+    row = RobotRow("robot_0", "exploring", 0.5, 30.0, 12.34, (-0.04, 2.0), ["robot_1"], [], "")
     lines = plain_lines(Picture("exploring", 61.0, 900.0, 0.99, [row]))
     assert lines[0] == "exploring, 61 s of 900 s, real-time factor 0.99"
     assert lines[1].strip() == (
         "robot_0: exploring, explored 50.0 %, 12.3 m, goal (0.0, 2.0), neighbours robot_1, merged with nobody"
     )
+
+
+def test_lines_without_a_reference_say_why_there_is_no_share():
+    """It is computed beside the mission: on a busy machine it was not there before the end."""
+    rows = [
+        RobotRow("robot_0", "exploring", None, 41.3, 12.34, None, [], [], ""),
+        RobotRow("robot_1", "exploring", None, 0.0, 0.0, None, [], [], ""),
+    ]
+    picture = Picture("exploring", 61.0, 900.0, 0.99, rows)
+    first, *robots = plain_lines(picture)
+    assert first.endswith("factor 0.99, no shares yet: the reference of the world is still being computed")
+    assert "explored 41 m^2, " in robots[0] and "explored nothing yet, " in robots[1]
+    console = Console(file=io.StringIO(), width=200)
+    console.print(live_table(picture))
+    shown = console.file.getvalue()
+    assert "41 m^2" in shown and "%" not in shown
 
 
 def test_a_mission_that_is_about_to_begin_has_no_negative_time() -> None:

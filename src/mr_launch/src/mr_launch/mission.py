@@ -180,6 +180,7 @@ class Mission:
                 name=report.robot,
                 state="waits for " + ", ".join(report.missing) if report.missing else report.state_name,
                 coverage=report.coverage,
+                explored=report.explored,
                 distance=self._truth.tracks[report.robot].distance,
                 goal=None if report.goal is None else (report.goal[0], report.goal[1]),
                 neighbors=report.neighbors,

@@ -18,11 +18,12 @@ COLOURS = ("bright_red", "bright_blue", "bright_green", "bright_yellow", "bright
 
 @dataclass(frozen=True)
 class RobotRow:
-    """One robot's line. ``coverage`` is a share or None while unknown, ``distance`` in m."""
+    """One robot's line. ``coverage`` is a share or None while unknown, ``explored`` in m^2, ``distance`` in m."""
 
     name: str
     state: str
     coverage: float | None
+    explored: float
     distance: float
     goal: tuple[float, float] | None
     neighbors: list[str]
@@ -41,8 +42,20 @@ class Picture:
     robots: list[RobotRow]
 
     @property
-    def coverage(self) -> float:
-        return max((row.coverage or 0.0 for row in self.robots), default=0.0)
+    def coverage(self) -> float | None:
+        return max((row.coverage for row in self.robots if row.coverage is not None), default=None)
+
+    @property
+    def lacks_reference(self) -> bool:
+        """There are maps, and not yet what they are compared with."""
+        return any(row.coverage is None and row.explored > 0.0 for row in self.robots)
+
+
+def explored(row: RobotRow) -> str:
+    """The share if it is known, else the area."""
+    if row.coverage is not None:
+        return percent(row.coverage)
+    return f"{row.explored:.0f} m^2" if row.explored > 0.0 else "nothing yet"
 
 
 def percent(share: float | None) -> str:
@@ -59,7 +72,8 @@ def short(names: list[str]) -> str:
 
 def header(picture: Picture) -> str:
     factor = "" if picture.real_time_factor is None else f", real-time factor {picture.real_time_factor:.2f}"
-    return f"{picture.phase}, {max(0, round(picture.elapsed))} s of {picture.limit:.0f} s{factor}"
+    lack = ", no shares yet: the reference of the world is still being computed" if picture.lacks_reference else ""
+    return f"{picture.phase}, {max(0, round(picture.elapsed))} s of {picture.limit:.0f} s{factor}{lack}"
 
 
 def place(goal: tuple[float, float]) -> str:
@@ -72,7 +86,7 @@ def plain_lines(picture: Picture) -> list[str]:
     for row in picture.robots:
         goal = "no goal" if row.goal is None else f"goal {place(row.goal)}"
         lines.append(
-            f"  {row.name}: {row.state}, explored {percent(row.coverage)}, {row.distance:.1f} m, {goal}, "
+            f"  {row.name}: {row.state}, explored {explored(row)}, {row.distance:.1f} m, {goal}, "
             f"neighbours {listed(row.neighbors)}, merged with {listed(row.merged)}"
         )
     return lines
@@ -87,14 +101,15 @@ def live_table(picture: Picture) -> Group:
         table.add_row(
             Text(row.name, style=COLOURS[index % len(COLOURS)]),
             Text(row.state, style="green" if row.state == "finished" else ""),
-            percent(row.coverage),
+            explored(row),
             f"{row.distance:.1f} m",
             goal,
             short(row.neighbors),
             short(row.merged),
         )
     bar = Table.grid(padding=(0, 1))
-    bar.add_row("explored", ProgressBar(total=1.0, completed=picture.coverage, width=50), percent(picture.coverage))
+    if picture.coverage is not None:
+        bar.add_row("explored", ProgressBar(total=1.0, completed=picture.coverage, width=50), percent(picture.coverage))
     notes = [Text(f"{row.name}: {row.text}", style="dim") for row in picture.robots if row.text]
     return Group(Text(header(picture), style="bold"), table, bar, *notes)
 
