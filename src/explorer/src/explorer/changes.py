@@ -2,10 +2,10 @@
 
 from typing import List, Optional, Tuple
 
-import cv2
 import numpy as np
 
 from explorer._kernels import changed_tiles
+from mr_grid.imaging import parts_of
 
 TILE = 32  # cells, edge of the squares in which changes are looked for
 MOST_OF_A_MAP = 0.5  # share of the cells beyond which all of them are computed
@@ -22,15 +22,14 @@ def changed_windows(before: np.ndarray, after: np.ndarray) -> Optional[List[Wind
     if before.shape != after.shape:
         return None
     tiles = changed_tiles(before, after, TILE)
-    count, _, boxes, _ = cv2.connectedComponentsWithStats(tiles.view(np.uint8), connectivity=8)
-    windows = [_window(box.tolist(), after.shape) for box in boxes[1:count]]
+    windows = [_window(box.tolist(), after.shape) for box in parts_of(tiles).boxes[1:]]
     area = sum((rows.stop - rows.start) * (cols.stop - cols.start) for rows, cols in windows)
     return windows if area <= MOST_OF_A_MAP * after.size else None
 
 
 def _window(tiles: List[int], shape: Tuple[int, ...]) -> Window:
     """`tiles`: the left one, the top one, how many across and how many down."""
-    left, top, width, height = tiles[:4]
+    left, top, width, height = tiles
     return (
         slice(TILE * top, min(TILE * (top + height), shape[0])),
         slice(TILE * left, min(TILE * (left + width), shape[1])),

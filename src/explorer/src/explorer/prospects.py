@@ -2,7 +2,6 @@
 
 from typing import Dict, NamedTuple, Sequence
 
-import cv2
 import numpy as np
 
 from explorer._kernels import cells_within, connected_part, unknown_behind
@@ -10,6 +9,7 @@ from explorer.frontiers import Frontier
 from explorer.geometry import Position
 from explorer.travel import SNAP_DISTANCE, nearest_cell
 from explorer.ways import Ways
+from mr_grid.imaging import dilated
 
 REACH = 2.0  # m that is looked into the unknown
 ENTRY = 2.5  # m of way into the unknown that the robot might take; compared on the office, seeds 6601 to 6606
@@ -56,6 +56,5 @@ def enterable(ways: Ways, place: Position) -> np.ndarray:
     if start is None:
         return layers.enterable
     part = connected_part(layers.allowed, *start)
-    around = cv2.dilate(part.view(np.uint8), np.ones((3, 3), np.uint8)).view(bool)
     ahead = layers.enterable & ~part
-    return part | cells_within(ahead, np.flatnonzero(around & ahead), round(ENTRY / info.resolution))
+    return part | cells_within(ahead, np.flatnonzero(dilated(part, 3) & ahead), round(ENTRY / info.resolution))

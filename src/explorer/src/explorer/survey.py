@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 
-import cv2
 import numpy as np
 
 from explorer._kernels import distances_to, pooled_maximum
@@ -20,6 +19,7 @@ from explorer.travel import SNAP_DISTANCE
 from explorer.verdicts import Verdicts
 from explorer.ways import Ways
 from mr_grid import Pose
+from mr_grid.imaging import part_labels, parts_of
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,10 @@ def survey(occupancy: OccupancyMap, options: Options, start: Optional[Position] 
 def _in_largest_space(ways: Ways) -> Position:
     """A place in the largest connected space, as far from its walls as possible."""
     grid = ways.grid
-    count, labels, statistics, _ = cv2.connectedComponentsWithStats(grid.traversable.astype(np.uint8), connectivity=8)
-    if count < 2:
+    parts = parts_of(grid.traversable)
+    if len(parts.areas) < 2:
         raise MapError("there is no place for a robot on this map")
-    largest = labels == 1 + int(np.argmax(statistics[1:, cv2.CC_STAT_AREA]))
+    largest = parts.labels == 1 + int(np.argmax(parts.areas[1:]))
     layers, clearance = grid.ground.layers, np.full(grid.occupied.shape, np.inf, dtype=np.float32)
     if layers.occupied.any():
         clearance = distances_to(layers.occupied, grid.ground.occupancy.info.resolution)
@@ -82,7 +82,7 @@ def _stretches(
 ) -> List[Stretch]:
     """All connected frontiers, the longest first; those that are too short are noise."""
     long_enough = frontier_cells(occupancy, shortest)
-    count, labels = cv2.connectedComponents(frontier_cells(occupancy, 0.0).astype(np.uint8), connectivity=8)
+    count, labels = part_labels(frontier_cells(occupancy, 0.0))
     points = _points_by_label(occupancy, labels, clusters)
     found = []
     for label in range(1, count):

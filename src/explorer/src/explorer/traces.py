@@ -2,10 +2,10 @@
 
 from typing import Sequence, Tuple
 
-import cv2
 import numpy as np
 
 from mr_grid import GridInfo
+from mr_grid.imaging import parts_of
 
 # From the centre of the largest robot of the team to its farthest corner, in metres, unless a parameter says otherwise.
 LARGEST_ROBOT_RADIUS = 0.29
@@ -41,12 +41,9 @@ def robot_traces(
         window = np.s_[top : max(0, row + reach + 1), left : max(0, col + reach + 1)]
         if not occupied[window].any():
             continue
-        _, labels, statistics, middles = cv2.connectedComponentsWithStats(
-            occupied[window].astype(np.uint8), connectivity=8
-        )
-        extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT]) * info.resolution
-        gaps = np.hypot(*(info.centres_of(middles[:, ::-1] + (top, left)) - (x, y)).T)
-        robots = (extent <= most + 1e-9) & (gaps <= near)
+        parts = parts_of(occupied[window])
+        gaps = np.hypot(*(info.centres_of(parts.middles[:, ::-1] + (top, left)) - (x, y)).T)
+        robots = (parts.extents() * info.resolution <= most + 1e-9) & (gaps <= near)
         robots[0] = False  # the ground between the obstacles
-        traces[window] |= robots[labels]
+        traces[window] |= robots[parts.labels]
     return traces

@@ -5,7 +5,6 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
-import cv2
 import numpy as np
 
 from explorer._kernels import nearest_views, search_views
@@ -15,6 +14,7 @@ from explorer.geometry import turn
 from explorer.grid import OccupancyMap, line_is_clear
 from explorer.travel import CostField
 from mr_grid import GridInfo, Pose
+from mr_grid.imaging import nearest_set
 
 # A viewpoint keeps this much farther from obstacles than the robot has to, where it can, in metres.
 PREFERRED_ROOM = 0.1
@@ -168,5 +168,4 @@ class _NearestCell:
     @cached_property
     def labels(self) -> np.ndarray:
         """For each cell the number of the nearest one that is set, from 1 on in the order of `cells`: int32."""
-        closed = (~self._mask).view(np.uint8)
-        return cv2.distanceTransformWithLabels(closed, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)[1]
+        return nearest_set(self._mask)

@@ -2,10 +2,10 @@
 
 from enum import IntFlag
 
-import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid
+from mr_grid.imaging import draw_circle
 from mr_grid.map_files import image_of
 
 from .report import LogFigures
@@ -31,7 +31,7 @@ def picture_of(grid: OccupancyGrid, mark_start: bool = True) -> bytes:
     image = image_of(grid)
     if mark_start and image.size:
         rows, columns = grid.info.continuous_cells(np.zeros((1, 2)))
-        cv2.circle(image, (int(columns[0]), int(rows[0])), 5, 128, 1)
+        draw_circle(image, int(columns[0]), int(rows[0]), 5, 128)
     return b"P5\n%d %d\n255\n" % (grid.info.width, grid.info.height) + image.tobytes()
 
 

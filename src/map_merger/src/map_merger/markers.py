@@ -5,10 +5,10 @@ import zlib
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-import cv2
 import numpy as np
 
 from mr_grid import UNKNOWN, OccupancyGrid, Pose
+from mr_grid.imaging import largest_contour, simplified
 
 from .grid import cropped, known_box
 
@@ -42,14 +42,13 @@ def outline_of(grid: OccupancyGrid) -> np.ndarray:
     part = cropped(grid, box)
     step = max(1, -(-max(part.cells.shape) // MOST_OUTLINE_CELLS))
     known = _coarse(part.cells != UNKNOWN, step)
-    contours, _ = cv2.findContours(known, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-    contour = max(contours, key=cv2.contourArea)
+    contour = largest_contour(known)
     tolerance = _TOLERANCE_CELLS
-    outline = cv2.approxPolyDP(contour, tolerance, True)
+    outline = simplified(contour, tolerance)
     while len(outline) > MOST_OUTLINE_POINTS:
         tolerance *= 1.5
-        outline = cv2.approxPolyDP(contour, tolerance, True)
-    columns, rows = step * outline.reshape(-1, 2).T + 0.5 * (step - 1)
+        outline = simplified(contour, tolerance)
+    columns, rows = step * outline.T + 0.5 * (step - 1)
     return part.info.centres(rows, columns)
 
 
@@ -59,8 +58,8 @@ def colour_of(robot: str) -> Tuple[float, float, float]:
 
 
 def _coarse(mask: np.ndarray, step: int) -> np.ndarray:
-    """Blocks of step x step cells (uint8), 1 where any cell is true."""
+    """Blocks of step x step cells, true where any cell is."""
     rows, columns = mask.shape
     padded = np.pad(mask, ((0, -rows % step), (0, -columns % step)))
     blocks = padded.reshape(padded.shape[0] // step, step, padded.shape[1] // step, step)
-    return np.ascontiguousarray(blocks.any(axis=(1, 3)), dtype=np.uint8)
+    return blocks.any(axis=(1, 3))

@@ -5,7 +5,7 @@ from typing import Callable, Dict, List, Optional
 from mr_grid import OccupancyGrid, Pose
 from mr_grid.by_place import object_at
 
-from . import features, registration
+from . import registration
 from .registration import DEFAULT_CRITERIA, UNLIMITED, Criteria, Limits, Registration, choose
 from .search import Prior
 from .surface import Landmarks
@@ -13,8 +13,7 @@ from .surface import Landmarks
 Method = Callable[..., Registration]
 """As `registration.register`."""
 
-METHODS = {"correlation": registration, "features": features}
-"""Modules with a function `register`."""
+METHODS = ("correlation", "features")
 _BY_PLACE: Dict[str, Method] = {}
 
 Candidates = Callable[[OccupancyGrid, OccupancyGrid], List[Pose]]
@@ -24,9 +23,12 @@ verified and decided on like those of the search."""
 
 def method_of(name: str) -> Method:
     """By name, or by place (`module:function`, `path/file.py:function`). Raises PlaceError."""
-    if name in METHODS:
-        method: Method = METHODS[name].register
-        return method
+    if name == "correlation":
+        return registration.register
+    if name == "features":
+        from . import features  # here: cv2, which only this method needs, is large
+
+        return features.register
     if name not in _BY_PLACE:
         _BY_PLACE[name] = _verified(object_at(name))
     return _BY_PLACE[name]

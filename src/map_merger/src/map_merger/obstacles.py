@@ -2,8 +2,9 @@
 
 from typing import NamedTuple
 
-import cv2
 import numpy as np
+
+from mr_grid.imaging import part_labels
 
 
 class Obstacles(NamedTuple):
@@ -34,7 +35,7 @@ def obstacles_of(occupied: np.ndarray) -> Obstacles:
         labels = np.zeros(occupied.shape, np.int32)
         return Obstacles(labels, cells, labels.ravel()[:0], none, np.zeros((1, 4), np.int64), np.zeros((1, 2)))
     # OpenCV's own statistics take several times as long, because they are of the free cells, too.
-    count, labels = cv2.connectedComponents(occupied.view(np.uint8), connectivity=8)
+    count, labels = part_labels(occupied)
     label_of = labels.ravel()[cells]
     order = np.argsort(label_of, kind="stable")
     rows, columns = np.divmod(cells[order], occupied.shape[1])

@@ -50,7 +50,7 @@ PARAMETERS: Dict[str, Parameter] = {
     "max_rotation_robots": Parameter(float, -1.0, least=0.0, also=-1.0),
     "debug": Parameter(bool, True),
     "log_path": Parameter(str, ""),
-    "registration": Parameter(str, "correlation", choices=tuple(METHODS)),
+    "registration": Parameter(str, "correlation", choices=METHODS),
     "initial_poses": Parameter(dict, {}),
     "scan_topic": Parameter(str, ""),
     "body_radius": Parameter(float, 0.2, least=0.02, most=2.0),

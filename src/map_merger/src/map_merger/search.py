@@ -8,11 +8,11 @@ and accurate map merging for multi-robot systems", 2008) tells which rotations a
 import math
 from typing import List, NamedTuple, Optional
 
-import cv2
 import numpy as np
 from scipy import fft
 
 from mr_grid import Pose, normalized
+from mr_grid.imaging import blurred, box_means, dilated
 
 from ._surfaces import raster
 from .surface import Landmarks
@@ -110,7 +110,7 @@ class _ShiftScorer:
         walls = self._raster(target.surface.points, Pose(), self._low, target.surface.spacing / self._cell)
         clear_weight = (target.info.resolution / self._cell) ** 2 * _stride(target, self._cell) ** 2
         clear = self._raster(clear_points, Pose(), self._low, clear_weight)
-        field = np.minimum(cv2.GaussianBlur(np.minimum(walls, 2.0), (0, 0), 1.0) * 2.0, 1.0)
+        field = np.minimum(blurred(np.minimum(walls, 2.0), 1.0) * 2.0, 1.0)
         field -= _PENALTY * np.minimum(clear, 1.0) * (field < 0.1)
         self._field = fft.rfft2(field)
         self._wall_spectrum = fft.rfft2(np.minimum(walls, 2.0))
@@ -123,7 +123,7 @@ class _ShiftScorer:
         corner = np.full(2, -(self._half + 0.5) * self._cell)
         walls = self._raster(self._walls, turn, corner, self._wall_weight)
         clear = self._raster(self._clear, turn, corner, self._clear_weight)
-        near_walls = cv2.blur(walls, (3, 3)) > 0.0
+        near_walls = box_means(walls, 3) > 0.0
         clear = np.where(near_walls, 0.0, np.minimum(clear, 1.0)).astype(np.float32)
         spectra = fft.rfft2(np.stack([walls, clear]))
         score = fft.irfft2(
@@ -134,7 +134,7 @@ class _ShiftScorer:
     def _best(self, score: np.ndarray, rotation: float) -> List[Candidate]:
         if self._allowed is not None:
             score = np.where(self._allowed, score, np.float32(-1e9))
-        top = cv2.dilate(score, np.ones((5, 5), np.uint8))
+        top = dilated(score, 5)
         threshold = max(1.0, 0.3 * float(score.max()))
         rows, columns = np.nonzero((score == top) & (score >= threshold))
         order = np.argsort(-score[rows, columns], kind="stable")[:_PEAKS_PER_ROTATION]

@@ -7,10 +7,10 @@ same way keeps the thickness of walls out of the estimate, and lets the quantisa
 from dataclasses import dataclass, field, replace
 from typing import List, Tuple
 
-import cv2
 import numpy as np
 
 from mr_grid import UNKNOWN, GridInfo, OccupancyGrid
+from mr_grid.imaging import eroded
 
 from ._surfaces import SurfaceIndex, border, walls, without_discs
 from .grid import cropped, free_cells, known_box
@@ -94,7 +94,7 @@ def landmarks_of(grid: OccupancyGrid, mover: float = USUAL_SIZE.mover) -> Landma
         return Landmarks(grid, _surface(grid.info, np.empty((0, 2), int), np.empty(0, bool), nothing), nothing, nothing)
     part = cropped(grid, around.grown(1))
     free = free_cells(part)
-    clear = cv2.erode(free.view(np.uint8), _disc(CLEAR_CELLS)).view(bool)
+    clear = eroded(free, _disc(CLEAR_CELLS))
     return Landmarks(part, _surface(part.info, *_walls(part, mover), free), clear, part.cells != UNKNOWN)
 
 

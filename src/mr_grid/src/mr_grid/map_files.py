@@ -9,7 +9,6 @@ import re
 import zlib
 from typing import Any, Mapping, NamedTuple, Optional, Tuple
 
-import cv2
 import numpy as np
 import yaml  # type: ignore[import-untyped]
 
@@ -215,6 +214,8 @@ def _check_size(path: str, width: int, height: int) -> None:
 
 
 def _png_pixels(path: str, data: bytes) -> np.ndarray:
+    import cv2  # here, for nodes that read no pictures: see mr_grid.imaging
+
     pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if _sound_png(data) else None
     if pixels is None:
         raise MapFileError(f"{path}: damaged or cut off, a checksum is wrong or the end of the picture is missing")

@@ -3,7 +3,7 @@
 from dataclasses import fields
 
 from mr_robot.navigation.options import NavigationOptions
-from mr_robot.slam.engine import SlamOptions
+from mr_robot.slam.options import SlamOptions
 
 # With what they are where nobody says.
 FRAMES = {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_footprint"}

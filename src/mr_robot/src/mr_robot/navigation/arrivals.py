@@ -2,10 +2,10 @@
 
 from typing import Dict, Optional, Tuple
 
-import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid
+from mr_grid.imaging import dilated, parts_of
 from mr_robot.navigation.options import REACH
 
 Cell = Tuple[int, int]
@@ -91,7 +91,7 @@ class Arrivals:
         part = _around(came)
         came, old = came[part], old[part]
         # Beside a wall it is that wall, seen better.
-        came &= cv2.dilate((old > 50).astype(np.uint8), np.ones((3, 3), np.uint8)) == 0
+        came &= ~dilated(old > 50, 3)
         # What is larger came because SLAM draws its map elsewhere.
         small = np.argwhere(_small(came, round(REACH / after.resolution)))
         return np.add(small, (a + part[0].start, b + part[1].start))
@@ -105,9 +105,8 @@ def _around(cells: np.ndarray) -> Tuple[slice, slice]:
 
 def _small(cells: np.ndarray, most: int) -> np.ndarray:
     """Those of the cells, bool (rows, columns), that hang together in no more than `most` rows and columns."""
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(cells.astype(np.uint8), connectivity=8)
-    extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT])
-    return cells & (extent <= most)[labels]
+    parts = parts_of(cells)
+    return cells & (parts.extents() <= most)[parts.labels]
 
 
 def _cells_of(grid: OccupancyGrid) -> Optional[Cell]:

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import List, Optional, Tuple
 
-import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
+from mr_grid.imaging import parts_of
 from mr_robot import _navigation
 from mr_robot.navigation.driven import DrivenGround
 from mr_robot.navigation.options import REACH, NavigationOptions
@@ -175,20 +175,17 @@ def without_robots(grid: OccupancyGrid, positions: List[Tuple[float, float]], ra
         window = cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
         if not (window > 50).any():
             continue
-        _, labels, statistics, middles = cv2.connectedComponentsWithStats(
-            (window > 50).astype(np.uint8), connectivity=8
-        )
-        extent = np.maximum(statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT]) * grid.resolution
-        middles_x = grid.origin[0] + (middles[:, 0] + left + 0.5) * grid.resolution
-        middles_y = grid.origin[1] + (middles[:, 1] + top + 0.5) * grid.resolution
+        parts = parts_of(window > 50)
+        middles_x = grid.origin[0] + (parts.middles[:, 0] + left + 0.5) * grid.resolution
+        middles_y = grid.origin[1] + (parts.middles[:, 1] + top + 0.5) * grid.resolution
         near = np.hypot(middles_x - x, middles_y - y) <= most_apart
-        robots = near & (extent <= largest + 1e-9)
+        robots = near & (parts.extents() * grid.resolution <= largest + 1e-9)
         robots[0] = False  # the ground between the obstacles
         if robots.any():
             if cells is grid.cells:
                 cells = cells.copy()
                 window = cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
-            window[robots[labels]] = 0
+            window[robots[parts.labels]] = 0
     return grid if cells is grid.cells else OccupancyGrid(grid.info, cells)
 
 

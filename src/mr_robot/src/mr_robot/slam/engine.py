@@ -15,6 +15,7 @@ import numpy as np
 
 from mr_grid import IDENTITY, OccupancyGrid, Pose
 from mr_robot import _slam
+from mr_robot.slam.options import SlamError, SlamOptions
 
 ODOMETRY_TIME = 3.0  # s of it that are kept, and
 LEAST_ODOMETRY, MOST_ODOMETRY = 100, 4000  # messages whatever their rate
@@ -24,34 +25,6 @@ SHORTEST_STEP, LONGEST_STEP = 0.1, 1.0  # s that a step counts at least, for sta
 ELSEWHERE = 1000.0  # m from the last pose that no robot is when the clock was set back
 BEGUN_ANEW = 0.05  # m or rad to exactly 0, from which on it is the driver that begins
 MAP_UPDATE_INTERVAL = 2.0  # s between maps that are handed out
-
-
-class SlamError(ValueError):
-    """A parameter or a message that SLAM cannot work with."""
-
-
-@dataclass(frozen=True)
-class SlamOptions:
-    """Lengths in metres, angles in radians, times in seconds."""
-
-    resolution: float = 0.05  # of the map
-    match_distance: float = 0.04  # by odometry, after which a scan is matched
-    match_angle: float = 0.035
-    insert_distance: float = 0.1  # between scans that enter the map
-    insert_angle: float = 0.087
-    insert_interval: float = 1.0  # s between scans that change the map while the robot stands
-    search_window: float = 0.4  # half width of the search when odometry does not lead to a match
-    surface_window: float = 0.15  # hits this near to one another form a surface
-    surface_deviation: float = 0.02  # standard deviation of hits around surfaces
-    free_radius: float = 0.17  # around the robot that is free because the robot is there
-    free_range: float = 20.0  # along beams that hit nothing
-    small_object_size: float = 0.7  # things that stand free up to this size may be robots and are not matched
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise SlamError(f"parameter {field.name} must be a positive number, not {value!r}")
 
 
 @dataclass(frozen=True)
