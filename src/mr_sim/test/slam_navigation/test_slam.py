@@ -645,6 +645,12 @@ def test_what_wheels_slipped_is_no_way_between_keyframes() -> None:
     assert math.dist(estimate[:2], pose[:2]) < 0.06
 
 
+def far_end(slam: Slam, length: float) -> float:
+    """m at which the map has the far end of the blind alley."""
+    walls = slam.map().info.centres_of(np.argwhere(slam.map().cells == 100))
+    return float(walls[(np.abs(walls[:, 1]) < 0.8) & (walls[:, 0] > length - 0.5), 0].mean())
+
+
 def blind_alley(length: float, pose: Pose) -> LaserScan:
     """The corridor, closed 1 m behind the start and `length` m before it."""
     scan = corridor(pose)
@@ -667,9 +673,32 @@ def test_a_robot_that_sees_where_it_began_draws_its_map_anew_before_it_is_there(
         pose = Pose(pose.x + math.copysign(moved.x, math.cos(pose.yaw)), 0.0, pose.yaw + moved.yaw)
         odometry = odometry.compose(Pose(moved.x + lost, 0.0, moved.yaw))
         slam.process(blind_alley(length, pose), odometry, 0.1 * index)
-    walls = slam.map().info.centres_of(np.argwhere(slam.map().cells == 100))
-    end = walls[(np.abs(walls[:, 1]) < 0.8) & (walls[:, 0] > length - 0.5)]
-    assert end[:, 0].mean() - length < 0.15
+    assert far_end(slam, length) - length < 0.15
+
+
+def drawn_anew(length: float, split: int) -> int:
+    """Scans until a robot that comes back has drawn anew what it saw at the far end. `split`: each beam of its laser is
+    so many."""
+    turn, ahead, far = Pose(0.0, 0.0, math.pi / 40), Pose(0.05, 0.0, 0.0), round((length - 1.5) / 0.05)
+    steps = [(Pose(), 0.0), *[(turn, 0.0)] * 80] + [(ahead, 0.002)] * 100 + [(ahead, 0.0)] * (far - 100)
+    steps += [(turn, 0.0)] * 40 + [(ahead, 0.0)] * far
+    slam, pose, odometry, before = Slam(), Pose(), Pose(), math.nan
+    for index, (moved, lost) in enumerate(steps):
+        pose = Pose(pose.x + math.copysign(moved.x, math.cos(pose.yaw)), 0.0, pose.yaw + moved.yaw)
+        odometry = odometry.compose(Pose(moved.x + lost, 0.0, moved.yaw))
+        scan = blind_alley(length, pose)
+        scan = replace(scan, ranges=np.repeat(scan.ranges, split), angle_increment=scan.angle_increment / split)
+        slam.process(scan, odometry, 0.1 * index)
+        if index == 400:  # it has turned and is on its way
+            before = far_end(slam, length)
+        if index > 400 and abs(far_end(slam, length) - before) > 0.03:
+            return index
+    raise AssertionError("no loop was closed")
+
+
+def test_less_is_drawn_at_once_of_scans_that_cost_more() -> None:
+    """A hundred scans were drawn anew at once whatever they cost: up to 176 ms in a large building."""
+    assert drawn_anew(12.5, 6) > drawn_anew(12.5, 1) + 5
 
 
 @pytest.mark.parametrize("radius", [0.17, 0.4])

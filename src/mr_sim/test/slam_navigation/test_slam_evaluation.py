@@ -314,6 +314,23 @@ def solved_grid(side: int) -> tuple[float, float, float]:
     return graph.pose(side * side - 1)
 
 
+def test_poses_that_are_added_while_a_graph_is_solved_step_by_step_go_along() -> None:
+    """Steps are taken with one scan each, and the robot goes on meanwhile."""
+    graphs = [walked([0.0] * 40, 0.003) for _ in range(2)]
+    graphs[0].begin()
+    graphs[0].add((30.5, 4.0, 0.2))
+    steps = 0
+    while not graphs[0].step():
+        steps += 1
+    assert graphs[0].pose(39)[2] > 0.1, "moved before the end"
+    graphs[0].finish()
+    assert 1 <= steps < 8 and graphs[1].solve()
+    assert graphs[0].pose(39) == graphs[1].pose(39)
+    before, after = Pose(*walked([0.0] * 40, 0.003).pose(39)), Pose(*graphs[0].pose(39))
+    expected = after.compose(before.between(Pose(30.5, 4.0, 0.2)))
+    assert graphs[0].pose(40) == pytest.approx(tuple(expected), abs=1e-9)
+
+
 def test_a_graph_is_solved_in_a_forked_process_as_in_its_parent() -> None:
     """Threads of OpenMP that a library had started in the parent were waited for in the child, for ever."""
     here = solved_grid(24)

@@ -131,6 +131,9 @@ PYBIND11_MODULE(_slam, module) {
       .def("match_edges", &PoseGraph::match_edges)
       .def("direction_of_walls", &PoseGraph::direction_of_walls)
       .def("solve", &PoseGraph::solve, py::arg("iterations") = 8)
+      .def("begin", &PoseGraph::begin)
+      .def("step", &PoseGraph::step)
+      .def("finish", &PoseGraph::finish)
       .def("pose", [](const PoseGraph& graph, std::size_t index) { return to_tuple(graph.pose(index)); });
   py::class_<Slam>(module, "Slam")
       .def(py::init<const SlamOptions&>())

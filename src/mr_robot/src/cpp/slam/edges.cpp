@@ -40,8 +40,7 @@ Line fitted(const std::vector<Point>& hits) {
   Spread spread;
   for (const Point& hit : hits) spread.add(minus(hit, hits.front()));
   const Point mean{hits.front().x + spread.mean().x, hits.front().y + spread.mean().y};
-  const double angle = spread.along();
-  Point along{std::cos(angle), std::sin(angle)};
+  Point along = spread.along();
   if (dot(along, minus(hits.front(), mean)) < 0.0) along = {-along.x, -along.y};
   return {mean, along};
 }

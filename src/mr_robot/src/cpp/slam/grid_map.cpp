@@ -77,10 +77,15 @@ void GridMap::grow_to(Cell low, Cell high) {
   words_ = (width + 63) / 64;
   marks_.assign(static_cast<std::size_t>(words_) * height, 0);
   for (int y = low.y; y < low.y + height; ++y) {
-    for (int x = low.x; x < low.x + width; ++x) {
-      if (surfaces_.holds(x - low.x, y - low.y)) mark_surface({x, y});
+    for (int x = low.x; x < low.x + width; x += kBlock) {
+      if (!surfaces_.holds(x - low.x, y - low.y)) continue;
+      for (int along = 0; along < kBlock; ++along) mark_surface({x + along, y});
     }
   }
+}
+
+void GridMap::cover(const Pose& place, double reach) {
+  grow_to(cell_of({place.x - reach, place.y - reach}), cell_of({place.x + reach, place.y + reach}));
 }
 
 void GridMap::cover(const GridMap& other) {
@@ -225,18 +230,21 @@ void GridMap::walk(const Ray& ray, double length, Visit visit) const {
   double next_x = direction.x != 0.0 ? ((cell.x + (step_x > 0)) * r - ray.eye.x) / direction.x : far;
   double next_y = direction.y != 0.0 ? ((cell.y + (step_y > 0)) * r - ray.eye.y) / direction.y : far;
   double entered = 0.0;
+  // Without branches: which border comes next is as good as random.
   while (entered < length && visit(cell)) {
-    if (next_x < next_y) {
-      entered = next_x, next_x += delta_x, cell.x += step_x;
-    } else {
-      entered = next_y, next_y += delta_y, cell.y += step_y;
-    }
+    const bool across = next_x < next_y;
+    entered = across ? next_x : next_y;
+    next_x += across ? delta_x : 0.0;
+    next_y += across ? 0.0 : delta_y;
+    cell.x += across ? step_x : 0;
+    cell.y += across ? 0 : step_y;
   }
 }
 
 void GridMap::see_through(const Point& eye, const Point& end) {
-  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
+  const double length = length_of(end.x - eye.x, end.y - eye.y);
   if (length <= 0.0) return;
+  walked_ += length;
   const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
   walk(ray, length, [&](const Cell& cell) {
     free_cell(cell, ray);
@@ -264,7 +272,7 @@ bool GridMap::hit_beside(const Cell& cell) const {
 }
 
 bool GridMap::blocked(const Point& eye, const Point& end) const {
-  const double length = std::hypot(end.x - eye.x, end.y - eye.y);
+  const double length = length_of(end.x - eye.x, end.y - eye.y);
   if (length <= 0.0) return false;
   const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
   bool found = false;

@@ -28,8 +28,9 @@ class GridMap {
  public:
   explicit GridMap(const GridOptions& options);
 
-  // Makes it as large as another one, so that it need not grow step by step.
+  // Both make it so large that it need not grow step by step: as another one, or so many m around a place.
   void cover(const GridMap& other);
+  void cover(const Pose& place, double reach);
   // Both return whether `occupancy` changed. `origin`: what its new surfaces are known by.
   bool insert(const Scan& scan, const Pose& robot, int origin = 0);
   // Only the surfaces that the scan hits, and nothing of what it sees through.
@@ -48,6 +49,9 @@ class GridMap {
   // Calls visit(surface) for each surface of the cells from `low` to `high`, both included, row by row.
   template <class Visit>
   void visit_surfaces(const Cell& low, const Cell& high, Visit visit) const;
+  // The same with visit(cell) for each of these cells that has a surface.
+  template <class Visit>
+  void visit_marked(const Cell& low, const Cell& high, Visit visit) const;
 
   // Whether the cell and those around it have been seen: a wall in it that is not on the map would be new.
   bool known(const Cell& cell) const;
@@ -55,6 +59,9 @@ class GridMap {
   bool hit_beside(const Cell& cell) const;
   // Whether a surface of the map lies across the line, well before its end.
   bool blocked(const Point& eye, const Point& end) const;
+
+  // m of beams that have been drawn: what that has cost.
+  double walked() const { return walked_; }
 
   // 100 occupied, 0 free, -1 never seen; row-major from the lowest y.
   std::vector<int8_t> occupancy() const;
@@ -104,10 +111,16 @@ class GridMap {
   uint32_t scan_number_ = 0;
   int inserted_origin_ = 0;
   bool changed_ = false;  // by the last scan
+  double walked_ = 0.0;   // m
 };
 
 template <class Visit>
 void GridMap::visit_surfaces(const Cell& low, const Cell& high, Visit visit) const {
+  visit_marked(low, high, [&](const Cell& cell) { visit(surface_of(cell)); });
+}
+
+template <class Visit>
+void GridMap::visit_marked(const Cell& low, const Cell& high, Visit visit) const {
   const int left = std::max(low.x - origin_.x, 0), right = std::min(high.x - origin_.x, width_ - 1);
   const int bottom = std::max(low.y - origin_.y, 0), top = std::min(high.y - origin_.y, height_ - 1);
   if (left > right) return;
@@ -117,7 +130,7 @@ void GridMap::visit_surfaces(const Cell& low, const Cell& high, Visit visit) con
       if (word == left / 64) bits &= ~uint64_t{0} << (left % 64);
       if (word == right / 64) bits &= ~uint64_t{0} >> (63 - right % 64);
       for (; bits != 0; bits &= bits - 1) {
-        visit(surfaces_(word * 64 + __builtin_ctzll(bits), row));
+        visit(Cell{word * 64 + __builtin_ctzll(bits) + origin_.x, row + origin_.y});
       }
     }
   }

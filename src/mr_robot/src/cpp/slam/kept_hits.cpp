@@ -1,5 +1,7 @@
 #include "kept_hits.hpp"
 
+#include <algorithm>
+
 namespace mr_robot::slam {
 namespace {
 
@@ -15,6 +17,7 @@ void KeptHits::add(const Scan& scan, const Pose& pose) {
     const Point end = frame * beam->end, normal = frame.turned(beam->normal);
     hits.push_back({static_cast<float>(end.x), static_cast<float>(end.y), static_cast<float>(normal.x),
                     static_cast<float>(normal.y)});
+    reach_ = std::max(reach_, std::hypot(end.x, end.y));
   }
 }
 

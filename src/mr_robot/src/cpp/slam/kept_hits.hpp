@@ -15,6 +15,8 @@ class KeptHits {
   void add(const Scan& scan, const Pose& pose);
   // `place`: in the frame of the scan.
   void append_to(Scan* scan, const Pose& place) const;
+  // m from the place within which all of them lie.
+  double reach() const { return reach_; }
   // `place`: in the frame of the map; `origin`: what new surfaces are known by.
   void draw(GridMap* map, const Pose& place, int origin) const;
 
@@ -28,6 +30,7 @@ class KeptHits {
 
   std::vector<Hits> scans_;
   std::size_t seen_ = 0;
+  double reach_ = 0.0;
 };
 
 }  // namespace mr_robot::slam

@@ -9,8 +9,7 @@ namespace {
 constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 3;              // keyframes
-constexpr int kIterations = 8;              // of a solution, and
-constexpr int kIterationsAtOnce = 2;        // of these with each scan that comes
+constexpr int kIterations = 8;              // of a solution, one with each scan that comes
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
 constexpr double kLately = 3.0;             // m of way that are compared with what was drawn long ago
 constexpr long kMostAround = 40;            // keyframes, and
@@ -22,7 +21,8 @@ constexpr double kSameLoop = 0.15;          // m within which two keyframes say 
 constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
 constexpr double kTurned = 0.005;           // rad
 constexpr std::size_t kMostScans = 20'000;  // beyond, the map stays as it is
-constexpr int kScansAtOnce = 100;           // that are drawn anew with each scan that comes
+constexpr double kDrawnAtOnce = 60'000.0;   // m of beams that are drawn anew with each scan that comes, and
+constexpr int kScansAtOnce = 100;           // scans
 
 const Eigen::Matrix3d kFloor = Eigen::Vector3d(1e-4, 1e-4, 4e-6).asDiagonal();          // covariance of the best match
 const Eigen::Matrix3d kLoopFloor = Eigen::Vector3d(2.5e-3, 2.5e-3, 4e-5).asDiagonal();  // of one that closes a loop
@@ -139,6 +139,9 @@ GridMap Memory::drawn_around(const Pose& pose) const {
   std::sort(nearest.begin(), end, [](const auto& a, const auto& b) { return a.second < b.second; });
   GridMap map(grid_);
   for (auto at = nearest.begin(); at != end; ++at) {
+    map.cover(keyframes_[at->second].drawn, keyframes_[at->second].hits.reach());
+  }
+  for (auto at = nearest.begin(); at != end; ++at) {
     keyframes_[at->second].hits.draw(&map, keyframes_[at->second].drawn, at->second);
   }
   return map;
@@ -165,13 +168,15 @@ void Memory::begin_solving(const OdometryModel& model) {
     graph_.weigh_odometry(i, model.deviation_of_way(keyframes_[i].way - keyframes_[i - 1].way));
   }
   graph_.match_edges();
+  graph_.begin();
   solved_ = keyframes_.size();
   iterations_ = kIterations;
 }
 
 void Memory::solve() {
-  iterations_ -= kIterationsAtOnce;
-  if (graph_.solve(kIterationsAtOnce)) iterations_ = 0;
+  --iterations_;
+  if (graph_.step()) iterations_ = 0;
+  if (iterations_ == 0) graph_.finish();
 }
 
 void Memory::begin_redrawing(const GridMap& map) {
@@ -197,7 +202,9 @@ Pose Memory::target(std::size_t keyframe) const {
 // Some scans more. Returns whether that were all.
 bool Memory::redraw() {
   Redrawing& redrawing = *redrawing_;
+  const double most = redrawing.map.walked() + kDrawnAtOnce;
   for (int done = 0; done < kScansAtOnce && redrawing.keyframe < keyframes_.size(); ++done) {
+    if (redrawing.map.walked() > most) break;
     const Keyframe& keyframe = keyframes_[redrawing.keyframe];
     const Kept& kept = keyframe.scans[redrawing.scan++];
     redrawing.map.insert(scan_of(kept), target(redrawing.keyframe) * kept.relative,
@@ -212,7 +219,7 @@ std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryMo
   if (!redrawing_) {
     if (iterations_ > 0) {
       solve();
-      if (iterations_ <= 0) begin_redrawing(*map);
+      if (iterations_ == 0) begin_redrawing(*map);
     } else if (keyframes_.size() >= solved_ + (rests ? 1 : kSolveEvery)) {
       begin_solving(model);
     }

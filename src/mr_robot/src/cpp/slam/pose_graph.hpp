@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace mr_robot::slam {
 
 class PoseGraph {
  public:
+  PoseGraph();
+  ~PoseGraph();
+
   // The first pose stays where it is.
   void add(const Pose& pose) { poses_.push_back(pose); }
   // Odometry counted `motion` from one pose to the next one, `next`, with these standard deviations besides the factors
@@ -40,8 +44,15 @@ class PoseGraph {
   // Moves the poses, in `iterations` steps at most, towards where all fits best (least squares, Cauchy weights for what
   // scans say). Returns whether they are there.
   bool solve(int iterations);
+  // The same, step by step: what is added after the beginning has no say, and poses added then go along with the one
+  // before. `step` returns whether they are there; `finish` takes what has been reached.
+  void begin();
+  bool step();
+  void finish();
 
  private:
+  class Solution;
+
   struct OdometryLink {
     std::size_t next;
     Pose motion, deviation;
@@ -66,6 +77,7 @@ class PoseGraph {
   std::vector<std::pair<std::size_t, Edge>> edges_;  // in the frames of these poses
   std::vector<Landmark> landmarks_;
   double factors_[2] = {1.0, 1.0};  // of distance and turn
+  std::unique_ptr<Solution> solution_;
 };
 
 }  // namespace mr_robot::slam

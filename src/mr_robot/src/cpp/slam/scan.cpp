@@ -20,7 +20,7 @@ bool turn_to(const Point& eye, const Point& at, Point* normal) {
 bool normal_of_three(const std::vector<Beam>& beams, std::size_t first, Point* normal) {
   const Beam &a = beams[first], &b = beams[first + 1], &c = beams[first + 2];
   if (!a.hit || !b.hit || !c.hit) return false;
-  const double x = c.end.x - a.end.x, y = c.end.y - a.end.y, length = std::hypot(x, y);
+  const double x = c.end.x - a.end.x, y = c.end.y - a.end.y, length = length_of(x, y);
   const double px = b.end.x - a.end.x, py = b.end.y - a.end.y;
   const double along = (px * x + py * y) / length;
   if (length <= 0.0 || along <= 0.0 || along >= length) return false;
@@ -55,8 +55,8 @@ bool fit_normal(const std::vector<Beam>& beams, std::size_t index, double window
   if (spread.count() < 3) return fit_sparse_normal(beams, index, eye, normal);
   const double large = spread.large();
   if (large < 25.0 * spread.small() || large < spread.count() * 0.04 * window * window) return false;
-  const double along = spread.along();
-  *normal = {-std::sin(along), std::cos(along)};
+  const Point along = spread.along();
+  *normal = {-along.y, along.x};
   return turn_to(eye, center, normal);
 }
 
@@ -93,7 +93,7 @@ Scan make_scan(const float* ranges, std::size_t size, const LaserGeometry& geome
         fit_normal(scan.beams, i, options.surface_window, scan.eye, &beam.normal) ||
         (!beam.on_small_object && fit_normal(scan.beams, i, 2.0 * options.surface_window, scan.eye, &beam.normal));
     const Point ray{beam.end.x - scan.eye.x, beam.end.y - scan.eye.y};
-    const double range = std::hypot(ray.x, ray.y);
+    const double range = length_of(ray.x, ray.y);
     const double incidence = std::abs(beam.normal.x * ray.x + beam.normal.y * ray.y) / range;
     beam.spacing = range * std::abs(geometry.angle_increment) / std::max(0.1, incidence);
   }

@@ -19,7 +19,7 @@ struct Segment {
 };
 
 double range_of(const Scan& scan, const Beam& beam) {
-  return beam.hit ? std::hypot(beam.end.x - scan.eye.x, beam.end.y - scan.eye.y) : std::numeric_limits<double>::max();
+  return beam.hit ? length_of(beam.end.x - scan.eye.x, beam.end.y - scan.eye.y) : std::numeric_limits<double>::max();
 }
 
 // A breakpoint after Borges and Aldon (2004): close beams tell a gap from a surface that is seen from its side.

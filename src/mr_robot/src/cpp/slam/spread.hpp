@@ -20,14 +20,23 @@ class Spread {
   // Sums of squared distances from the mean: along the axis on which they are largest, and across it.
   double large() const { return 0.5 * (xx() + yy()) + difference(); }
   double small() const { return 0.5 * (xx() + yy()) - difference(); }
-  // rad, the direction of that axis.
-  double along() const { return 0.5 * std::atan2(2.0 * xy(), xx() - yy()); }
+  // Unit vector of that axis.
+  Point along() const {
+    const double whole = difference(), share = whole > 0.0 ? 0.5 * (xx() - yy()) / whole : 1.0;
+    const double larger = std::sqrt(0.5 * (1.0 + std::abs(share)));
+    const double smaller = whole > 0.0 ? 0.5 * xy() / (whole * larger) : 0.0;
+    if (share < 0.0) return {smaller, larger};
+    return {larger, smaller};
+  }
 
  private:
   double xx() const { return xx_ - x_ * x_ / count_; }
   double yy() const { return yy_ - y_ * y_ / count_; }
   double xy() const { return xy_ - x_ * y_ / count_; }
-  double difference() const { return std::hypot(0.5 * (xx() - yy()), xy()); }
+  double difference() const {
+    const double half = 0.5 * (xx() - yy()), mixed = xy();
+    return std::sqrt(half * half + mixed * mixed);
+  }
 
   double x_ = 0.0, y_ = 0.0, xx_ = 0.0, yy_ = 0.0, xy_ = 0.0;
   int count_ = 0;
