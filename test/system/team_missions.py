@@ -10,7 +10,10 @@ from typing import List, NamedTuple
 LIMIT_S = 400
 TOPOLOGIES = ("distributed", "centralized")
 LOOK = ("timeout", "5", "rostopic", "echo", "-n1")
-KILLED = {"robot_0": ("explorer", "adhoc_communication"), "robot_1": ("map_merger",)}
+KILLED = {
+    "distributed": {"robot_0": ("explorer", "adhoc_communication"), "robot_1": ("map_merger",)},
+    "centralized": {"robot_1": ("slam",)},
+}
 
 
 class Mission(NamedTuple):
@@ -29,7 +32,7 @@ def run_of(topology: str, out: Path) -> Mission:
     told = out.with_name(f"{out.name}.log")
     with told.open("wb") as log:
         run = subprocess.Popen(
-            [*command, "--topology", topology, "--duration", "300", "--out", str(out), *["--respawn"] * disturbed],
+            [*command, "--topology", topology, "--duration", "300", "--out", str(out), "--respawn"],
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=subprocess.STDOUT,
@@ -46,13 +49,15 @@ def run_of(topology: str, out: Path) -> Mission:
 
 
 def order(out: Path) -> str:
-    """The base pauses both robots, sees that they are paused, and lets them go on."""
+    """The base pauses both robots, sees that they are paused, and lets them go on; then robot_1 loses its slam."""
     answers = enter(out, "base", "rosservice", "call", "/mission_control/pause").stdout
     for _ in range(20):
         team = enter(out, "base", *LOOK, "/mission_control/team").stdout
         if team.count('text: "is paused"') == 2:
             break
-    return answers + team + enter(out, "base", "rosservice", "call", "/mission_control/resume").stdout
+    answers += team + enter(out, "base", "rosservice", "call", "/mission_control/resume").stdout
+    kill(out, "robot_1", "slam")
+    return answers
 
 
 def disturb(out: Path) -> tuple:

@@ -1,10 +1,11 @@
 """Whole missions over raw sockets in network namespaces, one of each topology: two robots, 10 % frame loss, the small
 world. In the distributed one the doctor looks at a robot; explorer, map_merger, adhoc_communication are killed. In the
-centralized one the base pauses the team and lets it go on."""
+centralized one slam of a robot is killed, and the base pauses the team and lets it go on."""
 
 from typing import Dict
 
-from team_missions import KILLED, Mission, processes_of
+import pytest
+from team_missions import KILLED, TOPOLOGIES, Mission, processes_of
 
 from mr_measures.record.files import read_record
 
@@ -26,10 +27,16 @@ def test_the_doctor_finds_nothing_wrong_with_a_healthy_robot(missions: Dict[str,
     assert missions["distributed"].visit == (0, "")
 
 
-def test_the_mission_goes_on_without_nodes_that_are_killed_and_they_come_back(missions: Dict[str, Mission]) -> None:
-    record = read_record(missions["distributed"].out / "record.json")
-    assert record.restarts == {robot: dict.fromkeys(nodes, 1) for robot, nodes in KILLED.items()}
-    for robot in KILLED:
+@pytest.mark.parametrize("topology", TOPOLOGIES)
+def test_the_mission_goes_on_without_nodes_that_are_killed_and_they_come_back(
+    missions: Dict[str, Mission], topology: str
+) -> None:
+    record = read_record(missions[topology].out / "record.json")
+    assert record.restarts == {robot: dict.fromkeys(nodes, 1) for robot, nodes in KILLED[topology].items()}
+
+
+def test_explorer_that_was_killed_goes_on_with_its_mission(missions: Dict[str, Mission]) -> None:
+    for robot in ("robot_0", "robot_1"):
         log = missions["distributed"].out / "logs" / robot / "nodes"
         again = any("goes on with its mission" in path.read_text() for path in log.glob("explorer-*.log"))
         assert again == (robot == "robot_0")
