@@ -104,6 +104,8 @@ class Run:
             self.mission.collect_maps()
         self.outcome.restarts = self.team.restarts
         self.team.stop_robots(begun)
+        if begun and code != INTERRUPTED and not self.team.wait_for_reference(self.lifeline.stop.is_set):
+            self.view.notice("team: the reference of the world was not computed in time: maps are not measured")
         self.team.stop_rest()
         self.server.close()
         self.truth.update()

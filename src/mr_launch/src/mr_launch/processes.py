@@ -7,7 +7,7 @@ import signal
 import subprocess
 import time
 from pathlib import Path
-from typing import Mapping, Sequence
+from typing import Callable, Mapping, Sequence
 
 from mr_launch import isolation
 
@@ -101,6 +101,16 @@ class Children:
 
     def failed(self) -> list[Child]:
         return [child for child in self._children if child.failed]
+
+    def wait(self, name: str, patience: float, stopped: Callable[[], bool]) -> bool:
+        """Whether all of that name have ended by themselves, within `patience` s and before somebody asked to stop."""
+        running = [child for child in self._children if child.name == name]
+        end = time.monotonic() + patience
+        while any(child.process.poll() is None for child in running):
+            if stopped() or time.monotonic() > end:
+                return False
+            time.sleep(0.05)
+        return True
 
     def stop(self, children: Sequence[Child], how: signal.Signals, patience: float) -> list[Child]:
         """Ask with one signal, wait ``patience`` seconds for all together, then kill. Returns those killed."""

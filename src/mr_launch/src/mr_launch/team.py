@@ -36,6 +36,7 @@ from mr_launch.processes import Child, Children, dies_with_parent, last_lines, p
 from mr_launch.running_state import remove_state, write_state
 from mr_launch.world import write_walls
 
+REFERENCE_PATIENCE = 120.0  # s; alone it takes some, but it is nice, and the machine may be busy
 NODES_PATIENCE = 25.0  # s; roslaunch itself waits 15 s for its nodes, then 2 s more
 START_PATIENCE = (
     2.0  # s; a roslaunch that is starting nodes waits 20 s for itself, and one that is read may hear nothing
@@ -149,6 +150,10 @@ class Team:
         is nothing to keep: what does not end soon goes with the namespace, or with the supervisor."""
         patience = NODES_PATIENCE if begun else START_PATIENCE
         self.children.stop(list(self.launches.values()), signal.SIGINT, patience)
+
+    def wait_for_reference(self, stopped: Callable[[], bool]) -> bool:
+        """What maps are compared with is computed beside the mission, which may be over before."""
+        return self.children.wait("reference", REFERENCE_PATIENCE, stopped)
 
     def stop_rest(self) -> None:
         """End radio (it writes its statistics now) and world, then whatever is left."""
