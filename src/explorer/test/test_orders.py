@@ -204,7 +204,7 @@ def test_a_robot_that_has_ended_is_not_called_back() -> None:
 def test_refusals_say_why() -> None:
     waiting = Bench(7)
     waiting.run(1.0)
-    assert order(waiting, waiting.agent.pause) == Answer(False, "has not begun to explore: waits for the map")
+    assert order(waiting, waiting.agent.return_now) == Answer(False, "has not begun to explore: waits for the map")
     assert order(waiting, waiting.agent.go_home) == Answer(False, "has not begun to explore: waits for the map")
     bench = driving()
     assert order(bench, bench.agent.resume) == Answer(False, "is not paused")
@@ -218,6 +218,19 @@ def test_refusals_say_why() -> None:
     assert order(bench, bench.agent.pause) == Answer(False, "has ended: stopped")
     bench.place(0.5, 0.0)
     assert order(bench, bench.agent.go_home) == Answer(False, "is at home")
+
+
+def test_a_robot_that_waits_for_its_map_can_be_paused() -> None:
+    """The order was refused, and of a team that was paused the one robot drove off whose SLAM had started again."""
+    bench = Bench(7)
+    bench.run(1.0)
+    assert order(bench, bench.agent.pause) == Answer(True, "paused, waits for the map")
+    assert order(bench, bench.agent.pause) == Answer(False, "is paused already")
+    bench.map(corridor())
+    assert not of_kind(SetGoal, bench.run(5.0))
+    assert (bench.agent.state, bench.agent.text) == (State.WAITING, "is paused")
+    assert order(bench, bench.agent.resume).done
+    assert of_kind(SetGoal, bench.run(5.0))
 
 
 def test_a_robot_that_is_stopped_before_its_start_never_starts() -> None:

@@ -48,6 +48,7 @@ class Course:
         if memory.home is not None and senses.home is None:
             senses.home = memory.home
         senses.home_is_lost = senses.home_is_lost or memory.home_is_lost
+        self._orders.halt = memory.halt
         ordered = memory.ended_by in ORDERED
         if memory.started_at is None and not ordered:
             return
@@ -55,7 +56,6 @@ class Course:
         if memory.started_at is not None:
             self.started_at = memory.started_at if same_clock else now
         senses.distance = memory.distance if same_clock else 0.0
-        self._orders.halt = memory.halt
         if memory.ended_by and (same_clock or ordered):
             self._orders.ended_by, self._orders.homeward = memory.ended_by, memory.homeward
             self.finished_at = memory.finished_at if same_clock else now

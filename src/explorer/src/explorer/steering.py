@@ -37,11 +37,13 @@ class Steering:
         return self._course.finished_at is not None
 
     def pause(self, now: float) -> Answer:
-        """The robot stays where it is and claims nothing until `resume`; it still maps, tells and answers."""
-        if not self._begun():
-            return self._not_begun()
+        """The robot stays where it is and claims nothing until `resume`; it still maps, tells and answers. One that has
+        not begun to explore is paused when it does."""
         if self._orders.paused or self._course.state == State.FINISHED:
             return Answer(False, "is paused already" if self._orders.paused else f"has ended: {self._course.text}")
+        if not self._begun():
+            self._orders.halt = PAUSED
+            return Answer(True, f"paused, {self._course.text}")
         self._halt(PAUSED, now)
         self._course.be(State.WAITING, PAUSED)
         return Answer(True, "paused")
