@@ -8,9 +8,10 @@ import sys
 from typing import List
 
 import pytest
+import rospy
 from rosgraph.roslogging import RosStreamHandler
 
-from mr_grid.ros_node import lose_what_cannot_be_written
+from mr_grid.ros_node import lose_what_cannot_be_written, until_shutdown
 
 
 class FullDisk:
@@ -72,3 +73,16 @@ def test_a_signal_while_the_node_sends_ends_it(number: signal.Signals) -> None:
             assert node.wait(timeout=20.0) == 0
         finally:
             node.kill()
+
+
+@pytest.mark.parametrize("ended", [False, True])
+def test_topics_that_are_closed_matter_only_until_shutdown(monkeypatch: pytest.MonkeyPatch, ended: bool) -> None:
+    """Nodes that were publishing at a Ctrl-C ended with a traceback."""
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: ended)
+    told = []
+    try:
+        with until_shutdown():
+            raise rospy.ROSException("publish() to a closed topic")
+    except rospy.ROSException as error:
+        told.append(str(error))
+    assert told == ([] if ended else ["publish() to a closed topic"])

@@ -5,7 +5,7 @@ import logging
 import signal
 import threading
 from types import FrameType
-from typing import Any, Iterable, Optional
+from typing import Any, Iterable, Iterator, Optional
 
 import rospy
 from rosgraph.roslogging import RosStreamHandler
@@ -19,6 +19,16 @@ def init_node(name: str, **options: Any) -> None:
     rospy.init_node(name, **options)
     end_beside_the_main_thread()
     lose_what_cannot_be_written(logging.getLogger("rosout"))
+
+
+@contextlib.contextmanager
+def until_shutdown() -> Iterator[None]:
+    """What is under way while ROS shuts down ends without a word: publishers are closed, waiting is interrupted."""
+    try:
+        yield
+    except rospy.ROSException:
+        if not rospy.is_shutdown():
+            raise
 
 
 def warn_of_unknown_parameters(known: Iterable[str]) -> None:
