@@ -78,8 +78,7 @@ def test_scenes_take_over_what_still_holds() -> None:
 
 def test_costs_of_others_are_looked_up_once_for_each_place(monkeypatch: pytest.MonkeyPatch) -> None:
     known, one, asked = scene(cluster(1, 7.0), positions={"robot_1": (6.0, 5.0)}), strategy(7), []
-    ways = HALL.from_robot
-    monkeypatch.setattr(HALL, "from_robot", lambda place: asked.append(place) or ways(place))
+    monkeypatch.setattr(Ways, "from_robot", lambda self, place: asked.append(place) or self.grid.field_from(*place))
     costs = [one.estimate(each, place, each.clusters[0]) for each in (known, replace(known, now=1.0))
              for place in ((6.0, 5.0), (3.0, 5.0))]  # fmt: skip
     assert asked == [(6.0, 5.0), (3.0, 5.0)] and costs[:2] == costs[2:] and costs[0] < costs[1]
