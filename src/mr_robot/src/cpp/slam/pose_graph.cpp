@@ -1,14 +1,12 @@
 #include "pose_graph.hpp"
 
-#include <ceres/autodiff_cost_function.h>
-#include <ceres/jet.h>
+#include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
-#include <initializer_list>
-#include <utility>
 
 namespace mr_robot::slam {
 namespace {
@@ -21,10 +19,7 @@ constexpr double kAligned = 0.1;                       // rad within which most 
 constexpr double kSquare = 0.7;                        // of the walls that must agree, 1: all
 constexpr double kQuarter = 0.5 * M_PI;                // turn
 constexpr int kMeanIterations = 8;
-constexpr double kLeastDamping = 1e-6;  // share of what is known of a value, by which it stays where it is
-constexpr double kDampingFactor = 3.0;  // by which that is changed
-constexpr double kLeastGain = 1e-6;     // share of the cost, less than which is none
-constexpr std::size_t kRecent = 10;     // poses back, to which scans are not doubted
+constexpr std::size_t kRecent = 10;  // poses back, to which scans are not doubted
 
 template <class T>
 T normalized_angle(const T& angle) {
@@ -135,8 +130,7 @@ std::optional<double> PoseGraph::direction_of_walls() const {
   return direction;
 }
 
-// What is solved for, and all that is said of it. Levenberg and Marquardt's steps are taken one by one: a solver that
-// is called for each anew would build and order the same equations each time, which takes longer than the step.
+// What is solved for, and all that is said of it: made once for all steps.
 class PoseGraph::Solution {
  public:
   explicit Solution(const PoseGraph& graph);
@@ -145,162 +139,73 @@ class PoseGraph::Solution {
   void take_to(PoseGraph* graph) const;
 
  private:
-  static constexpr std::size_t kMostParts = 3;  // that one cost speaks of, of
-  static constexpr int kMostValues = 3;         // numbers each
-  struct Part {
-    std::size_t first;  // of its values
-    int size;
-  };
-  struct Term {
-    std::unique_ptr<ceres::CostFunction> cost;
-    bool doubted;
-    std::vector<Part> parts;
-  };
-  struct Equations {
-    Eigen::SparseMatrix<double> matrix;  // its lower half
-    Eigen::VectorXd gradient;
-    double cost = 0.0;
-  };
-  using Solver = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
-
-  static constexpr std::size_t kSteady = 3;  // values of the first pose, which stays
-
-  template <int Residuals, int... Sizes, class Cost>
-  void add(Cost* cost, bool doubted, std::initializer_list<Part> parts) {
-    auto derived = std::make_unique<ceres::AutoDiffCostFunction<Cost, Residuals, Sizes...>>(cost);
-    terms_.push_back({std::move(derived), doubted, parts});
+  template <int Residuals, int... Sizes, class Cost, class... Parts>
+  void add(Cost* cost, bool doubted, Parts*... parts) {
+    problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Cost, Residuals, Sizes...>(cost),
+                              doubted ? new ceres::CauchyLoss(kOutlier) : nullptr, parts...);
   }
-  static Part pose(std::size_t index) { return {3 * index, 3}; }
-  Part factors() const { return {3 * poses_, 2}; }
-  Part direction() const { return {3 * poses_ + 2, 1}; }
-  Part landmark(std::size_t index) const { return {3 * poses_ + 3 + index, 1}; }
-  Equations equations(const std::vector<double>& values) const;
-  double add_term(const Term& term, const std::vector<double>& values, std::vector<Eigen::Triplet<double>>* entries,
-                  Eigen::VectorXd* gradient) const;
-  std::vector<double> moved_by_solution();
 
-  std::size_t poses_;
+  std::vector<std::array<double, 3>> poses_;
+  std::array<double, 2> factors_;
+  double direction_ = 0.0;  // of the walls
   std::vector<Landmark> landmarks_;
-  std::vector<double> values_;  // poses, factors, direction of the walls, coordinates of the landmarks
-  std::vector<Term> terms_;
-  Equations equations_;
-  Solver solver_;
-  bool ordered_ = false;
-  double damping_ = kLeastDamping;
+  ceres::Problem problem_;
+  ceres::Solver::Options options_;
 };
 
-PoseGraph::Solution::Solution(const PoseGraph& graph) : poses_(graph.poses_.size()), landmarks_(graph.landmarks_) {
-  for (const Pose& pose : graph.poses_) values_.insert(values_.end(), {pose.x, pose.y, pose.yaw});
-  const std::optional<double> walls = graph.direction_of_walls();
-  values_.insert(values_.end(), {graph.factors_[0], graph.factors_[1], walls.value_or(0.0)});
-  for (const Landmark& landmark : landmarks_) values_.push_back(landmark.coordinate);
+PoseGraph::Solution::Solution(const PoseGraph& graph)
+    : factors_{graph.factors_[0], graph.factors_[1]}, landmarks_(graph.landmarks_) {
+  for (const Pose& pose : graph.poses_) poses_.push_back({pose.x, pose.y, pose.yaw});
   for (const OdometryLink& link : graph.odometry_) {
-    add<3, 3, 3, 2>(new OdometryCost{link.motion, link.deviation}, true,
-                    {pose(link.next - 1), pose(link.next), factors()});
+    add<3, 3, 3, 2>(new OdometryCost{link.motion, link.deviation}, true, poses_[link.next - 1].data(),
+                    poses_[link.next].data(), factors_.data());
   }
   for (const Link& link : graph.links_) {
-    add<3, 3, 3>(new ScanCost{link.relative, link.root}, link.from + kRecent < link.to,
-                 {pose(link.from), pose(link.to)});
+    add<3, 3, 3>(new ScanCost{link.relative, link.root}, link.from + kRecent < link.to, poses_[link.from].data(),
+                 poses_[link.to].data());
   }
+  const std::optional<double> walls = graph.direction_of_walls();
+  direction_ = walls.value_or(0.0);
   for (const Walls& seen : graph.walls_) {
     const double askew = walls ? graph.off(seen, *walls) : INFINITY;
     if (std::abs(askew) > kAskew) continue;
-    add<1, 3, 1>(new WallsCost{askew + *walls - graph.poses_[seen.pose].yaw}, true, {pose(seen.pose), direction()});
+    add<1, 3, 1>(new WallsCost{askew + *walls - graph.poses_[seen.pose].yaw}, true, poses_[seen.pose].data(),
+                 &direction_);
   }
-  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    for (const auto& [from, edge] : landmarks_[i].seen) {
-      add<1, 3, 1>(new EdgeCost{edge, landmarks_[i].off}, true, {pose(from), landmark(i)});
+  for (Landmark& landmark : landmarks_) {
+    for (const auto& [pose, edge] : landmark.seen) {
+      add<1, 3, 1>(new EdgeCost{edge, landmark.off}, true, poses_[pose].data(), &landmark.coordinate);
     }
   }
-  add<2, 2>(new FactorCost, false, {factors()});
-  equations_ = equations(values_);
-}
-
-// Returns what it costs.
-double PoseGraph::Solution::add_term(const Term& term, const std::vector<double>& values,
-                                     std::vector<Eigen::Triplet<double>>* entries, Eigen::VectorXd* gradient) const {
-  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMostValues, kMostValues>;
-  double residuals[kMostValues], jacobians[kMostParts][kMostValues * kMostValues];
-  const double* parameters[kMostParts];
-  double* derivatives[kMostParts];
-  for (std::size_t i = 0; i < term.parts.size(); ++i) {
-    parameters[i] = &values[term.parts[i].first];
-    derivatives[i] = jacobians[i];
-  }
-  term.cost->Evaluate(parameters, residuals, derivatives);
-  const int count = term.cost->num_residuals();
-  const Eigen::Map<const Eigen::VectorXd> residual(residuals, count);
-  const double squared = residual.squaredNorm(), scaled = squared / (kOutlier * kOutlier);
-  const double weight = term.doubted ? 1.0 / (1.0 + scaled) : 1.0;
-  for (std::size_t i = 0; i < term.parts.size(); ++i) {
-    if (term.parts[i].first < kSteady) continue;
-    const auto row = static_cast<int>(term.parts[i].first - kSteady);
-    const Eigen::Map<const Jacobian> left(jacobians[i], count, term.parts[i].size);
-    gradient->segment(row, term.parts[i].size) += weight * left.transpose() * residual;
-    for (std::size_t j = 0; j < term.parts.size(); ++j) {
-      if (term.parts[j].first < kSteady || term.parts[j].first > term.parts[i].first) continue;
-      const auto column = static_cast<int>(term.parts[j].first - kSteady);
-      const Eigen::Map<const Jacobian> right(jacobians[j], count, term.parts[j].size);
-      const Jacobian product = weight * left.transpose() * right;
-      for (int r = 0; r < product.rows(); ++r) {
-        for (int c = 0; c < product.cols(); ++c) {
-          if (row + r >= column + c) entries->emplace_back(row + r, column + c, product(r, c));
-        }
-      }
-    }
-  }
-  return 0.5 * (term.doubted ? kOutlier * kOutlier * std::log1p(scaled) : squared);
-}
-
-PoseGraph::Solution::Equations PoseGraph::Solution::equations(const std::vector<double>& values) const {
-  const auto size = static_cast<int>(values.size() - kSteady);
-  Equations result{Eigen::SparseMatrix<double>(size, size), Eigen::VectorXd::Zero(size)};
-  std::vector<Eigen::Triplet<double>> entries;
-  // What nothing is said of stays: the direction of walls that do not stand square.
-  for (int i = 0; i < size; ++i) entries.emplace_back(i, i, kLeastDamping);
-  for (const Term& term : terms_) result.cost += add_term(term, values, &entries, &result.gradient);
-  result.matrix.setFromTriplets(entries.begin(), entries.end());
-  return result;
-}
-
-std::vector<double> PoseGraph::Solution::moved_by_solution() {
-  Eigen::SparseMatrix<double> damped = equations_.matrix;
-  damped.diagonal() *= 1.0 + damping_;
-  if (!ordered_) solver_.analyzePattern(damped);
-  ordered_ = true;
-  solver_.factorize(damped);
-  const Eigen::VectorXd step = solver_.solve(equations_.gradient);
-  std::vector<double> values = values_;
-  for (std::size_t i = kSteady; i < values.size(); ++i) values[i] -= step[static_cast<long>(i - kSteady)];
-  return values;
+  add<2, 2>(new FactorCost, false, factors_.data());
+  problem_.SetParameterBlockConstant(poses_[0].data());
+  options_.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  // SuiteSparse would run OpenMP threads, which hang in a process that was forked after they had started, and a BLAS
+  // that rounds as the processor likes.
+  options_.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options_.max_num_iterations = 1;
+  options_.num_threads = 1;
+  options_.logging_type = ceres::SILENT;
 }
 
 bool PoseGraph::Solution::step() {
-  std::vector<double> values = moved_by_solution();
-  Equations next = equations(values);
-  const double gain = equations_.cost - next.cost;
-  const bool there = std::abs(gain) <= kLeastGain * equations_.cost;
-  if (gain >= 0.0) {
-    values_ = std::move(values);
-    equations_ = std::move(next);
-    damping_ = std::max(damping_ / kDampingFactor, kLeastDamping);
-  } else {
-    damping_ *= kDampingFactor * kDampingFactor;
-  }
-  return there;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options_, &problem_, &summary);
+  // The next step goes on with what this one has found of how far the costs can be trusted.
+  if (!summary.iterations.empty()) options_.initial_trust_region_radius = summary.iterations.back().trust_region_radius;
+  return summary.termination_type == ceres::CONVERGENCE;
 }
 
 void PoseGraph::Solution::take_to(PoseGraph* graph) const {
-  const std::size_t last = poses_ - 1;
+  const std::size_t last = poses_.size() - 1;
   const Pose before = graph->poses_[last];
   for (std::size_t i = 0; i <= last; ++i) {
-    const double* value = &values_[pose(i).first];
-    graph->poses_[i] = {value[0], value[1], normalized(value[2])};
+    graph->poses_[i] = {poses_[i][0], poses_[i][1], normalized(poses_[i][2])};
   }
   for (std::size_t i = last + 1; i < graph->poses_.size(); ++i) {
     graph->poses_[i] = graph->poses_[last] * between(before, graph->poses_[i]);
   }
-  for (int i = 0; i < factors().size; ++i) graph->factors_[i] = values_[factors().first + i];
+  std::copy(factors_.begin(), factors_.end(), graph->factors_);
 }
 
 PoseGraph::PoseGraph() = default;
