@@ -20,7 +20,9 @@ def children(tmp_path):
 def test_the_reference_is_waited_for_beyond_the_end_of_a_mission(children):
     """On a busy machine the mission was over before, and its maps were not measured."""
     children("world", "sleep", "60")
-    assert children("reference", "sleep", "0.3").wait("reference", 20.0, lambda: False)
+    started = children("reference", "sleep", "0.3")
+    assert started.wait("reference", 20.0, lambda: False) and not started.running("reference")
+    assert started.running("world")
 
 
 def test_who_asks_to_stop_does_not_wait(children):

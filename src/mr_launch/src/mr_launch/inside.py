@@ -104,8 +104,8 @@ class Run:
             self.mission.collect_maps()
         self.outcome.restarts = self.team.restarts
         self.team.stop_robots(begun)
-        if begun and code != INTERRUPTED and not self.team.wait_for_reference(self.lifeline.stop.is_set):
-            self.view.notice("team: the reference of the world was not computed in time: maps are not measured")
+        if begun and code != INTERRUPTED:
+            self._await_reference()
         self.team.stop_rest()
         self.server.close()
         self.truth.update()
@@ -117,6 +117,13 @@ class Run:
             return code or FAILED
         print_results(self.plan, record)
         return code
+
+    def _await_reference(self) -> None:
+        if self.team.has_reference:
+            return
+        self.view.notice("team: waits for the reference of the world, to compare the maps with (Ctrl-C does without)")
+        if not self.team.wait_for_reference(self.lifeline.stop.is_set):
+            self.view.notice("team: the reference of the world was not computed in time: maps are not measured")
 
     def _plan_of_results(self) -> Plan:
         """Maps of robots that were started again begin where they stood then."""

@@ -102,25 +102,19 @@ class Children:
     def failed(self) -> list[Child]:
         return [child for child in self._children if child.failed]
 
+    def running(self, name: str) -> list[Child]:
+        return [child for child in self._children if child.name == name and child.process.poll() is None]
+
     def wait(self, name: str, patience: float, stopped: Callable[[], bool]) -> bool:
         """Whether all of that name have ended by themselves, within `patience` s and before somebody asked to stop."""
-        running = [child for child in self._children if child.name == name]
-        end = time.monotonic() + patience
-        while any(child.process.poll() is None for child in running):
-            if stopped() or time.monotonic() > end:
-                return False
-            time.sleep(0.05)
-        return True
+        return not still_running(self.running(name), patience, stopped)
 
     def stop(self, children: Sequence[Child], how: signal.Signals, patience: float) -> list[Child]:
         """Ask with one signal, wait ``patience`` seconds for all together, then kill. Returns those killed."""
         running = [child for child in children if child.process.poll() is None]
         for child in running:
             child.process.send_signal(how)
-        end = time.monotonic() + patience
-        while running and time.monotonic() < end:
-            time.sleep(0.05)
-            running = [child for child in running if child.process.poll() is None]
+        running = still_running(running, patience)
         for child in running:
             child.process.kill()
             child.process.wait()
@@ -142,6 +136,17 @@ class Children:
             if found is None or found.si_pid in self.pids():
                 return
             os.waitpid(found.si_pid, os.WNOHANG)
+
+
+def still_running(
+    children: Sequence[Child], patience: float, stopped: Callable[[], bool] = lambda: False
+) -> list[Child]:
+    """Those that have not ended by themselves after `patience` s, or when somebody asked to stop."""
+    running, end = list(children), time.monotonic() + patience
+    while running and time.monotonic() < end and not stopped():
+        time.sleep(0.05)
+        running = [child for child in running if child.process.poll() is None]
+    return running
 
 
 def cpu_seconds() -> dict[int, tuple[str, float, int]]:

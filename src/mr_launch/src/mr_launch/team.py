@@ -151,6 +151,11 @@ class Team:
         patience = NODES_PATIENCE if begun else START_PATIENCE
         self.children.stop(list(self.launches.values()), signal.SIGINT, patience)
 
+    @property
+    def has_reference(self) -> bool:
+        """Nobody computes it any more."""
+        return not self.children.running("reference")
+
     def wait_for_reference(self, stopped: Callable[[], bool]) -> bool:
         """What maps are compared with is computed beside the mission, which may be over before."""
         return self.children.wait("reference", REFERENCE_PATIENCE, stopped)
