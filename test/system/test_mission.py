@@ -37,9 +37,17 @@ def test_the_mission_goes_on_without_nodes_that_are_killed_and_they_come_back(
 
 def test_explorer_that_was_killed_goes_on_with_its_mission(missions: Dict[str, Mission]) -> None:
     for robot in ("robot_0", "robot_1"):
-        log = missions["distributed"].out / "logs" / robot / "nodes"
-        again = any("goes on with its mission" in path.read_text() for path in log.glob("explorer-*.log"))
-        assert again == (robot == "robot_0")
+        assert said(missions["distributed"], robot, "explorer", "goes on with its mission") == (robot == "robot_0")
+
+
+def test_slam_that_was_killed_goes_on_with_its_map_and_nobody_places_the_robot_anew(
+    missions: Dict[str, Mission],
+) -> None:
+    mission = missions["centralized"]
+    for robot in ("robot_0", "robot_1"):
+        assert said(mission, robot, "slam", "slam goes on with its map") == (robot == "robot_1")
+        assert not said(mission, robot, "map_merger", "begins anew")
+    assert not list(mission.out.rglob("slam_*.map")), "it ended in order"
 
 
 def test_the_base_sees_how_the_robots_are_and_orders_them_about(missions: Dict[str, Mission]) -> None:
@@ -47,6 +55,11 @@ def test_the_base_sees_how_the_robots_are_and_orders_them_about(missions: Dict[s
     assert "pause: sent to robot_0, robot_1" in orders and "resume: sent to robot_0, robot_1" in orders, orders
     assert orders.count('text: "is paused"') == orders.count('order_answer: "paused"') == 2, orders
     assert orders.count("placed") >= 2, orders  # what map_merger says of each robot
+
+
+def said(mission: Mission, robot: str, node: str, text: str) -> bool:
+    logs = (mission.out / "logs" / robot / "nodes").glob(f"{node}-*.log")
+    return any(text in path.read_text() for path in logs)
 
 
 def test_maps_are_complete_and_right(mission: Mission) -> None:

@@ -24,6 +24,16 @@ def test_slam_that_goes_on_moves_no_frame():
     assert followed.teller == "slam a"
 
 
+def test_another_process_that_goes_on_with_the_map_moves_no_frame_either():
+    followed = frame()
+    followed.take("slam a", "odom", OLD, 10.0)
+    assert (
+        followed.take("slam b", "odom", Pose(OLD.x + 0.003, OLD.y, OLD.yaw), 13.0) is None
+        and followed.teller == "slam b"
+    )
+    assert followed.take("slam c", "odom", Pose(OLD.x + 0.1, OLD.y, OLD.yaw), 16.0) is not None
+
+
 def test_another_process_has_another_frame_and_odometry_ties_the_two():
     followed, robot = frame(), Pose(4.0, -1.0, 2.0)  # in the frame of the odometry
     place = OLD.compose(robot)

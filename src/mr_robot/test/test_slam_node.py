@@ -15,6 +15,7 @@ from mr_grid.ros_laser import Mount
 from mr_robot.parameter_names import FRAMES
 from mr_robot.slam import node as module
 from mr_robot.slam.engine import OdometryHistory, Slam, SlamError
+from mr_robot.slam.keeper import MapKeeper
 from mr_robot.slam.node import SlamNode
 
 
@@ -51,6 +52,8 @@ def node(monkeypatch: pytest.MonkeyPatch) -> SlamNode:
         {"laser": Mount()},
     )
     made._transformed_at, made._transform_period = -float("inf"), 0.1
+    monkeypatch.setattr(rospy, "get_param", lambda name, default: default)
+    made._keeper = MapKeeper(made._slam, made._odometry)
     made._frames, made._tolerance = FRAMES, rospy.Duration(0.2)
     made._published_at, made._map_interval = -float("inf"), 2.0
     monkeypatch.setattr(made, "_publish_map", lambda stamp: None)

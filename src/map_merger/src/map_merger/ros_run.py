@@ -6,8 +6,8 @@ from typing import Any, Optional, Tuple
 import rosgraph
 import rospy
 
-from mr_grid.map_frame import MapFrame
-from mr_grid.ros_map_frame import MASTER_FAILED
+from mr_grid.map_frame import MapFrame, Run
+from mr_grid.ros_map_frame import MASTER_FAILED, run_of_map
 
 from . import kept_run
 from .messages import Anchor
@@ -24,6 +24,7 @@ class OwnRun:
         self._parameter = rospy.get_name() + "_run"
         self._source = self._publisher()
         self._connection: Optional[dict] = None
+        self._begun: Optional[Run] = None  # when the local map was begun, if it says so, as that of `slam` does
         self._kept: Tuple[int, str] = (-1, "")
 
     def former(self) -> Optional[Anchor]:
@@ -50,12 +51,16 @@ class OwnRun:
             self._kept = (anchor.updates, teller)
 
     def is_over(self, message: Any) -> bool:
-        """Whether a message of the local map comes from another process: its frame is another one then."""
+        """Whether a message of the local map comes from another process that does not go on with the map: its frame is
+        another one then."""
+        begun = message.info.map_load_time.secs, message.info.map_load_time.nsecs
+        goes_on = run_of_map(message) is not None and begun == self._begun
+        self._begun = begun
         if message._connection_header is self._connection:
             return False
         self._connection = message._connection_header
         before, self._source = self._source, self._publisher() or self._source
-        return bool(before) and before != self._source
+        return bool(before) and before != self._source and not goes_on
 
     def _publisher(self) -> str:
         """Names the process that publishes the local map; empty if that is none, several, or cannot be found out."""

@@ -1,14 +1,17 @@
-"""When the frame of a robot's map is another one than before: SLAM that is started anew begins it where the robot is.
+"""When the frame of a robot's map is another one than before: SLAM that is started anew may begin it elsewhere.
 
 What tells is tf: another process says where the odometry lies in the map frame. The odometry goes on meanwhile, so the
 two frames can be compared."""
 
+import math
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from .pose import Pose
 
 SILENCE = 0.5  # s for which the process before has told nothing when another one takes its place
 MOST_FRAMES = 1000  # of tf that are remembered
+# m, rad between frames that are the same: SLAM goes on with its map, and may have used a scan more.
+SAME_PLACE, SAME_TURN = 0.02, 0.01
 STAMPED = 1.0  # s from a map's load time to its stamp, below which the former is but a stamp
 
 Run = Tuple[int, int]
@@ -70,7 +73,8 @@ class MapFrame:
             if abs(stamp - before.stamp) < SILENCE:
                 return None  # two tell: that is for tf to settle
             self._told = told
-            return NewFrame(self._shift(before, told), before.stamp)
+            shift = self._shift(before, told)
+            return None if shift is not None and _is_none(shift) else NewFrame(shift, before.stamp)
         self._told = told
         return None
 
@@ -81,9 +85,13 @@ class MapFrame:
         return told.pose.compose(before.pose.inverse())
 
 
+def _is_none(shift: Pose) -> bool:
+    return math.hypot(shift.x, shift.y) <= SAME_PLACE and abs(shift.yaw) <= SAME_TURN
+
+
 class MapRuns:
-    """Tells maps of the present frame from those of the one before, which may still come. Maps of map_merger name their
-    run; those of others say nothing, and are taken."""
+    """Tells maps of the present frame from those of the one before, which may still come. Maps of map_merger and of
+    `slam` name their run; those of others say nothing, and are taken."""
 
     def __init__(self) -> None:
         self._run: Optional[Run] = None

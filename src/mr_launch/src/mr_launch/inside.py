@@ -88,8 +88,9 @@ class Run:
     def _follow_new_maps(self) -> None:
         """Of robots whose SLAM was started again: figures count from where they began."""
         for robot in self.team.take_lost_maps():
-            self._map_starts.lose(robot, self.truth.time)
-        for robot, start in self._map_starts.found(self.server.logs, self.truth.tracks).items():
+            self._map_starts.lose(self.server.reports[robot], self.truth.time)
+        starts = self._map_starts.found(self.server.reports, self.server.logs, self.truth.tracks)
+        for robot, start in starts.items():
             self.team.starts[robot] = start
             self.server.request(robot, request="begin", start=list(start))
 

@@ -45,6 +45,8 @@ class RobotReport:
     explored: float = 0.0  # m^2 of free space in the global map
     own: float = 0.0  # m^2 of free space in its own map
     coverage: float | None = None
+    map_begun: list[int] | None = None  # load time of its own map: s, ns
+    map_stamp: float = 0.0  # of its own map
     neighbors: list[str] = field(default_factory=list)
     merged: list[str] = field(default_factory=list)
     sees_merges: bool = False

@@ -12,6 +12,6 @@ DRIVERS = {"scan_topic": "base_scan", "velocity_topic": "cmd_vel"}  # of navigat
 
 SLAM = {
     *(field.name for field in fields(SlamOptions)), *FRAMES, *SLAM_INPUTS,
-    "map_update_interval", "transform_publish_period", "transform_tolerance",
+    "map_update_interval", "transform_publish_period", "transform_tolerance", "memory",
 }  # fmt: skip
 NAVIGATION = {*(field.name for field in fields(NavigationOptions)), *FRAMES, *DRIVERS, "map_topic", "robot_name"}

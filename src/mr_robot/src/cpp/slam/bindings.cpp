@@ -144,6 +144,12 @@ PYBIND11_MODULE(_slam, module) {
       .def("pose_at",
            [](const Slam& slam, const PoseTuple& odometry) { return to_tuple(slam.pose_at(to_pose(odometry))); })
       .def("map_to_odometry", [](const Slam& slam) { return to_tuple(slam.map_to_odometry()); })
+      .def_property_readonly("odometry", [](const Slam& slam) { return to_tuple(slam.odometry()); })
+      .def("begin_journal", &Slam::begin_journal)
+      .def("take_journal", [](Slam& slam) { return py::bytes(slam.take_journal()); })
+      .def("state", [](const Slam& slam) { return py::bytes(slam.state()); })
+      .def("recall",
+           [](Slam& slam, std::string_view written, std::string_view state) { return slam.recall(written, state); })
       .def("occupancy", &occupancy)
       .def("surfaces", &surfaces, "Rows (x, y, normal x, normal y, hits) float32, map frame.");
 }

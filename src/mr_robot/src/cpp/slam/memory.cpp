@@ -43,7 +43,8 @@ Eigen::Matrix3d seen_from(const Pose& frame, const Eigen::Matrix3d& information)
 
 }  // namespace
 
-Memory::Memory(const GridOptions& grid, const ScanOptions& options) : grid_(grid), options_(options) {}
+Memory::Memory(const GridOptions& grid, const ScanOptions& options, Journal* journal)
+    : grid_(grid), options_(options), journal_(journal) {}
 
 bool Memory::due(const Pose& pose) const {
   return keyframes_.empty() || distance(keyframes_.back().drawn, pose) >= kKeyframeDistance ||
@@ -62,34 +63,82 @@ bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const Laser
   ++scans_;
   const bool opens = due(pose);
   if (opens) open(pose, odometry, way, model, match);
-  Keyframe& keyframe = keyframes_.back();
-  keyframe.scans.push_back({ranges, geometry, between(keyframe.drawn, pose)});
-  keyframe.hits.add(scan, keyframe.scans.back().relative);
-  keyframe.edges.add(scan, keyframe.scans.back().relative, options_.small_object_size);
-  keyframe.walls.add(scan, keyframe.scans.back().relative.yaw);
+  keep(ranges, scan, geometry, pose);
+  if (journal_->kept()) journal_->write(JournalScan{opens, pose, odometry, way, geometry, ranges});
   return opens;
+}
+
+void Memory::keep(std::vector<float> ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose) {
+  Keyframe& keyframe = keyframes_.back();
+  const Pose relative = between(keyframe.drawn, pose);
+  keyframe.scans.push_back({std::move(ranges), geometry, relative});
+  keyframe.hits.add(scan, relative);
+  keyframe.edges.add(scan, relative, options_.small_object_size);
+  keyframe.walls.add(scan, relative.yaw);
 }
 
 void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model,
                   const Match& match) {
-  const std::size_t next = keyframes_.size();
-  if (next == 0) {
-    graph_.add(pose);
-    keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
-    return;
-  }
-  const Keyframe& last = keyframes_.back();
-  if (const auto heading = last.walls.direction()) graph_.see_walls(next - 1, *heading);
-  for (const Edge& edge : last.edges.edges()) graph_.see_edge(next - 1, edge);
-  const Pose motion = between(last.odometry, odometry);
-  graph_.add(graph_.pose(next - 1) * between(last.drawn, pose));
-  graph_.link_odometry(next, motion, model.deviation_of_way(way - last.way));
+  keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
+  const std::size_t next = keyframes_.size() - 1;
+  join(next, model);
+  if (next == 0) return;
   link_by_scan(next, pose, match, kFloor);
   // The correction is not to wait for more keyframes: the robot may be home, and there are none to come.
   const bool told = told_long_ago(match);
   if (told && !told_) solved_ = 0;
   told_ = told;
-  keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
+}
+
+// The next keyframe enters the graph: with all scans of the one before, what is seen from there is known.
+void Memory::join(std::size_t next, const OdometryModel& model) {
+  const Keyframe& keyframe = keyframes_[next];
+  if (next == 0) {
+    graph_.add(keyframe.drawn);
+    return;
+  }
+  const Keyframe& last = keyframes_[next - 1];
+  if (const auto heading = last.walls.direction()) graph_.see_walls(next - 1, *heading);
+  for (const Edge& edge : last.edges.edges()) graph_.see_edge(next - 1, edge);
+  graph_.add(graph_.pose(next - 1) * between(last.drawn, keyframe.drawn));
+  graph_.link_odometry(next, between(last.odometry, keyframe.odometry),
+                       model.deviation_of_way(keyframe.way - last.way));
+}
+
+void Memory::recall(JournalScan scan) {
+  if (!scan.opens && keyframes_.empty()) return;
+  if (scan.opens) keyframes_.push_back({scan.pose, scan.odometry, scan.way, {}, {}, {}, {}});
+  const Scan seen = make_scan(scan.ranges.data(), scan.ranges.size(), scan.geometry, options_);
+  keep(std::move(scan.ranges), seen, scan.geometry, scan.pose);
+  ++scans_;
+}
+
+void Memory::recall(std::vector<JournalEntry> entries, GridMap* map, const OdometryModel& model) {
+  std::vector<JournalLink> links;
+  for (JournalEntry& entry : entries) {
+    if (auto* scan = std::get_if<JournalScan>(&entry)) recall(std::move(*scan));
+    if (const auto* link = std::get_if<JournalLink>(&entry)) links.push_back(*link);
+    if (const auto* moved = std::get_if<JournalPoses>(&entry)) {
+      const std::size_t count = std::min(moved->poses.size(), keyframes_.size());
+      for (std::size_t i = 0; i < count; ++i) keyframes_[i].drawn = moved->poses[i];
+    }
+  }
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) join(i, model);
+  for (const JournalLink& link : links) {
+    if (std::max(link.from, link.to) < keyframes_.size())
+      graph_.link(link.from, link.to, link.relative, link.information);
+  }
+  solved_ = keyframes_.size();
+  draw(map);
+}
+
+void Memory::draw(GridMap* map) const {
+  for (const Keyframe& keyframe : keyframes_) map->cover(keyframe.drawn, keyframe.hits.reach());
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    for (const Kept& kept : keyframes_[i].scans) {
+      map->insert(scan_of(kept), keyframes_[i].drawn * kept.relative, static_cast<int>(i));
+    }
+  }
 }
 
 // Whether surfaces of long ago tell the position of a scan, in every direction.
@@ -110,9 +159,11 @@ void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match
   for (const auto& [hits, origin] : most) {
     const Pose& from = keyframes_[origin].drawn;
     const Evidence& evidence = match.origins.at(origin);
-    const Eigen::Matrix3d information = seen_from(from, evidence.information);
-    graph_.link(origin, next, between(from, moved(pose, evidence.step())),
-                with_floor(information, static_cast<double>(most.size()) * floor));
+    const Eigen::Matrix3d seen = seen_from(from, evidence.information);
+    const Pose relative = between(from, moved(pose, evidence.step()));
+    const Eigen::Matrix3d information = with_floor(seen, static_cast<double>(most.size()) * floor);
+    graph_.link(origin, next, relative, information);
+    journal_->write(JournalLink{static_cast<std::size_t>(origin), next, relative, information});
   }
 }
 
@@ -230,6 +281,7 @@ std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryMo
   for (std::size_t i = 0; i < keyframes_.size(); ++i) targets.push_back(target(i));
   const std::pair<Pose, Pose> change{keyframes_.back().drawn, targets.back()};
   for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].drawn = targets[i];
+  journal_->write(JournalPoses{std::move(targets)});
   *map = std::move(redrawing_->map);
   redrawing_.reset();
   loop_.reset();

@@ -7,6 +7,7 @@
 
 #include "edges.hpp"
 #include "grid_map.hpp"
+#include "journal.hpp"
 #include "kept_hits.hpp"
 #include "odometry_model.hpp"
 #include "pose_graph.hpp"
@@ -17,7 +18,12 @@ namespace mr_robot::slam {
 
 class Memory {
  public:
-  Memory(const GridOptions& grid, const ScanOptions& options);
+  // `journal`: where what is to be recalled is written; it outlives this.
+  Memory(const GridOptions& grid, const ScanOptions& options, Journal* journal);
+
+  // Becomes what it was when that was written, and draws the map. Only before anything has been added.
+  void recall(std::vector<JournalEntry> entries, GridMap* map, const OdometryModel& model);
+  bool empty() const { return keyframes_.empty(); }
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
@@ -56,6 +62,10 @@ class Memory {
   };
 
   void open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
+  void join(std::size_t next, const OdometryModel& model);
+  void keep(std::vector<float> ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose);
+  void recall(JournalScan scan);
+  void draw(GridMap* map) const;
   void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
   bool told_long_ago(const Match& match) const;
   bool due(const Pose& pose) const;
@@ -70,6 +80,7 @@ class Memory {
 
   GridOptions grid_;
   ScanOptions options_;
+  Journal* journal_;
   PoseGraph graph_;
   std::vector<Keyframe> keyframes_;
   std::optional<Redrawing> redrawing_;

@@ -1,5 +1,7 @@
 #include "slam.hpp"
 
+#include <cstring>
+
 namespace mr_robot::slam {
 namespace {
 
@@ -16,6 +18,13 @@ constexpr double kSameDistance = 0.1;       // m within which they say the same
 constexpr double kSameAngle = 0.05;         // rad
 constexpr double kOtherDistance = 0.4;      // m from the first to the last
 constexpr double kOtherAngle = 0.7;         // rad
+
+// Where the robot is, as members of `Slam`.
+struct State {
+  Pose pose, odometry, driven;
+  Way way;
+  double updated_at;
+};
 
 bool near(const Pose& a, const Pose& b) {
   return slam::distance(a, b) < kSameDistance && std::abs(normalized(a.yaw - b.yaw)) < kSameAngle;
@@ -44,7 +53,7 @@ bool Elsewhere::add(const Match& match, const Pose& odometry) {
 }
 
 Slam::Slam(const SlamOptions& options)
-    : options_(with_reach(options)), map_(options_.grid), memory_(options_.grid, options_.scan) {}
+    : options_(with_reach(options)), map_(options_.grid), memory_(options_.grid, options_.scan, &journal_) {}
 
 bool Slam::moved(const Pose& from, const Pose& to, double distance, double angle) const {
   // A whisker below the threshold, so that steps of exactly that length count.
@@ -56,6 +65,30 @@ Pose Slam::pose_at(const Pose& odometry) const {
 }
 
 Pose Slam::map_to_odometry() const { return pose_ * between(odometry_, Pose{}); }
+
+std::string Slam::state() const {
+  const State state{pose_, odometry_, driven_, way_, updated_at_};
+  return {reinterpret_cast<const char*>(&state), sizeof(state)};
+}
+
+std::size_t Slam::recall(std::string_view written, std::string_view kept) {
+  State state{};
+  std::size_t used = 0;
+  if (started_ || kept.size() != sizeof(state)) return used;
+  std::memcpy(&state, kept.data(), sizeof(state));
+  for (const Pose& pose : {state.pose, state.odometry, state.driven}) {
+    if (!std::isfinite(pose.x + pose.y + pose.yaw)) return used;
+  }
+  memory_.recall(entries_of(written, &used), &map_, model_);
+  if (memory_.empty()) return 0;
+  pose_ = confirmed_ = inserted_ = stood_ = state.pose;
+  odometry_ = state.odometry;
+  driven_ = stood_driven_ = state.driven;
+  way_ = state.way;
+  updated_at_ = state.updated_at;
+  started_ = true;
+  return used;
+}
 
 // Returns whether that changed the map.
 bool Slam::insert(const Scan& scan, bool stands, double time) {

@@ -1,7 +1,11 @@
 // Local SLAM of one robot: odometry and scans in, pose and map out. No clock, no randomness, no I/O.
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include "grid_map.hpp"
+#include "journal.hpp"
 #include "memory.hpp"
 #include "odometry_model.hpp"
 #include "scan_matcher.hpp"
@@ -59,7 +63,19 @@ class Slam {
   // Odometry frame in the map frame.
   Pose map_to_odometry() const;
 
+  // Where it was at the last match.
+  const Pose& odometry() const { return odometry_; }
+
   const GridMap& map() const { return map_; }
+
+  // So that a SLAM that is started anew goes on with this map, in this frame: from the first scan on, write what has to
+  // be written; what came since; where the robot is.
+  void begin_journal() { journal_.begin(); }
+  std::string take_journal() { return journal_.take(); }
+  std::string state() const;
+  // Goes on where a journal and a state of before ended, if they can be read; returns how much of the journal can. Only
+  // before the first scan.
+  std::size_t recall(std::string_view written, std::string_view state);
 
  private:
   void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
@@ -71,6 +87,7 @@ class Slam {
 
   SlamOptions options_;
   GridMap map_;
+  Journal journal_;
   bool started_ = false;
   Pose pose_;                // at the last match, map frame
   Pose odometry_;            // same moment, odometry frame

@@ -60,6 +60,11 @@ class OdometryHistory:
         self.offset = IDENTITY
         self._times: Deque[float] = deque(maxlen=MOST_ODOMETRY)
         self._poses: Deque[Pose] = deque(maxlen=MOST_ODOMETRY)
+        self._resumed: Optional[Pose] = None
+
+    def resume(self, pose: Pose) -> None:
+        """Goes on from where the robot was by a history of before; only before anything is added."""
+        self._resumed = pose
 
     def add(self, time: float, pose: Pose) -> bool:
         """Whether the driver's `pose` follows from the one before; if not it has jumped. What is out of order is of no
@@ -67,6 +72,10 @@ class OdometryHistory:
         finite."""
         if not np.isfinite((time, *pose)).all():
             raise SlamError("odometry is not finite: mend its driver")
+        if self._resumed is not None:
+            self._times.append(time - LONGEST_STEP)
+            self._poses.append(self._resumed)
+            self._resumed = None
         last = self._poses[-1] if self._poses else None
         if self._times and time <= self._times[-1]:
             if time >= self._times[-1] - OUT_OF_ORDER:
@@ -156,6 +165,30 @@ class Slam:
     def map_to_odometry(self) -> Pose:
         """Odometry frame in the map frame."""
         return Pose(*self._core.map_to_odometry())
+
+    def begin_journal(self) -> None:
+        """From now on what has to be kept of the map is written down, for `take_journal`."""
+        self._core.begin_journal()
+
+    def take_journal(self) -> bytes:
+        """What is to be kept of the map, and came since this was last called."""
+        return self._core.take_journal()
+
+    def state(self) -> bytes:
+        """Where the robot is; always of one size."""
+        return self._core.state()
+
+    def recall(self, journal: bytes, state: bytes) -> int:
+        """Goes on with a map of before, in its frame, if all of that can be read. Only before the first scan. Returns
+        how much of the journal can be read; 0: none, and the map begins anew."""
+        used = self._core.recall(journal, state)
+        self.revision += used > 0
+        return used
+
+    @property
+    def matched_odometry(self) -> Pose:
+        """Robot in the odometry frame when a scan was last matched."""
+        return Pose(*self._core.odometry)
 
     def map(self) -> OccupancyGrid:
         """The pose at the start is (0, 0, 0), and the origin a multiple of the resolution away from it, not turned: a

@@ -20,6 +20,7 @@ from mr_robot.parameter_names import FRAMES, SLAM, SLAM_INPUTS
 from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, topic_parameters
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
+from mr_robot.slam.keeper import MapKeeper
 
 T = TypeVar("T")
 
@@ -53,6 +54,7 @@ class SlamNode:
         self._tolerance = rospy.Duration(number_parameter("transform_tolerance", TRANSFORM_TOLERANCE))
         self._lock = threading.Lock()
         self._odometry = OdometryHistory()
+        self._keeper = MapKeeper(self._slam, self._odometry)
         self._waiting: Deque[Any] = deque(maxlen=MOST_WAITING)  # scans, for odometry to catch up
         self._mounts: Dict[str, Mount] = {}
         self._published_revision = 0
@@ -129,6 +131,7 @@ class SlamNode:
             return newest is None or last <= newest[0]
         scan = ros_io.scan_value(message, mount, odometry.between(odometry_after))
         update = self._slam.process(scan, odometry, time)
+        self._keeper.keep_map()
         if update.beyond:
             rospy.logwarn_once(
                 f"the laser sees something {update.beyond:.0f} m away; from {self._slam.reach:g} m on that counts as "
@@ -173,6 +176,7 @@ class SlamNode:
 
     def _publish_transform(self, stamp: rospy.Time) -> None:
         self._transformed_at = stamp.to_sec()
+        self._keeper.keep_place()
         pose = self._slam.map_to_odometry().compose(self._odometry.offset)
         self._broadcaster.sendTransform(
             ros_io.transform_message(
@@ -186,6 +190,7 @@ class SlamNode:
         self._published_revision = self._slam.revision
         self._published_at = stamp.to_sec()
         message = grid_message(self._slam.map(), self._frames["map_frame"], stamp)
+        message.info.map_load_time = self._keeper.begun(stamp)
         self._map.publish(message)
         self._metadata.publish(message.info)
 

@@ -1,0 +1,88 @@
+"""SLAM that is started anew goes on with the map that was written down."""
+
+import math
+from typing import Callable, Tuple
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from test_slam import follow
+from test_slam_evaluation import Recorder, processed
+
+from mr_grid import Pose
+from mr_robot.slam.engine import LaserScan, Slam
+from mr_sim.scan_log import with_random_walk
+
+
+def walls(slam: Slam) -> np.ndarray:
+    """m, map frame; (n, 2)."""
+    map_ = slam.map()
+    return map_.info.centres_of(np.argwhere(map_.cells >= 65))
+
+
+def far_from(points: np.ndarray, others: np.ndarray) -> float:
+    """Share of points that lie 0.1 m or more from all others."""
+    gaps = np.abs(points[:, None, :] - others[None, :, :]).max(axis=2).min(axis=1)
+    return float((gaps > 0.1).mean())
+
+
+def test_a_loop_is_closed_after_a_crash_on_half_the_way(draw_world: Callable[..., str]) -> None:
+    """Around a block, for which what ties the places of the way together has to be there: without it the robot ends
+    0.15 m from where it is."""
+    drives = Recorder(draw_world((24, 16), [(2.0, 2.0, 20.0, 12.0)], [(1.0, 1.0, 0.0)]), 0)
+    drives.run(260.0, follow([(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 1.0), (23.0, 1.0)], 0.4))
+    log, slam = with_random_walk(drives.log(), 0.1, 0.02, 7), Slam()
+    slam.begin_journal()
+    half = len(log.times) // 2
+    assert sum(1 for _ in processed(log, slam, range(half))) == half
+    anew, written = Slam(), slam.take_journal()
+    assert anew.recall(written, slam.state()) == len(written)
+    assert anew.map_to_odometry() == slam.map_to_odometry() and anew.revision == 1
+    assert max(far_from(walls(slam), walls(anew)), far_from(walls(anew), walls(slam))) < 0.01
+    assert sum(1 for _ in processed(log, anew, range(half, len(log.times)))) == len(log.times) - half
+    end = Pose(*log.truth[0].tolist()).between(Pose(*log.truth[-1].tolist()))
+    assert math.dist(anew.pose_at(Pose(*log.odometry[-1].tolist()))[:2], end[:2]) < 0.1
+
+
+@given(cut=st.integers(0, 200_000), broken=st.integers(0, 200_000), octet=st.integers(0, 255))
+def test_what_was_not_written_whole_is_left_out(cut: int, broken: int, octet: int) -> None:
+    written, state = ROOM
+    torn = bytearray(written[:cut])
+    if broken < len(torn):
+        torn[broken] = octet
+    slam = Slam()
+    used = slam.recall(bytes(torn), state)
+    assert used <= len(torn) and (used > 0) == (slam.revision > 0)
+    assert slam.recall(written, state[:-1]) == 0, "a state of another size"
+
+
+def in_a_room(slam: Slam, steps: int) -> None:
+    """Ahead in a room of 8 m x 8 m."""
+    angles = -math.pi + 0.0174 * np.arange(360)
+    for step in range(steps):
+        x = 0.05 * step
+        side = np.where(np.cos(angles) > 0.0, 4.0 - x, 4.0 + x) / np.abs(np.cos(angles))
+        ranges = np.minimum(side, 4.0 / np.abs(np.sin(angles)))
+        slam.process(LaserScan(ranges, -math.pi, 0.0174, 0.1, 30.0, Pose()), Pose(x, 0.0, 0.0), 0.1 * step)
+
+
+def room() -> Tuple[bytes, bytes]:
+    slam = Slam()
+    slam.begin_journal()
+    in_a_room(slam, 40)
+    return slam.take_journal(), slam.state()
+
+
+ROOM = room()
+
+
+def test_nothing_is_written_unless_it_is_asked_for() -> None:
+    slam = Slam()
+    in_a_room(slam, 40)
+    assert slam.take_journal() == b""
+
+
+def test_a_map_that_has_begun_recalls_nothing() -> None:
+    slam = Slam()
+    in_a_room(slam, 2)
+    assert slam.recall(*ROOM) == 0
