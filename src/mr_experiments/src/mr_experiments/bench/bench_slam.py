@@ -64,7 +64,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--missions", type=int, metavar="N", help="no more than the first N of each kind (default: all)")
     add("--kinds", nargs="*", choices=list(KINDS), default=list(KINDS), help="none or some (default: all)")
     add("--peers", action="store_true", help="instead compare with MRPT's ICP and RBPF, which `make bench-slam-peers` "
-        "builds, on the kinds that are judged by their walls")  # fmt: skip
+        "builds, on the kinds that are judged by their walls alone")  # fmt: skip
     add("--real-logs", metavar="DIR", help="folder of CARMEN logs, to run SLAM over them as well")
     add("--logs", default="out/bench/scans", metavar="DIR", help="folder of the logs (default: %(default)s)")
     add("--out", default="out/bench/slam.json", metavar="FILE", help="rows (default: %(default)s)")
@@ -145,8 +145,8 @@ def own_rows(given: argparse.Namespace) -> list[Row]:
     for name in given.kinds:
         for odometry, logs in _logs(KINDS[name], given):
             results = judged(logs, OURS, slam_of)
-            bars = KINDS[name].walls
-            rows += [loop_row(name, results)] if bars is None else rows_of(name, bars, odometry, results)
+            rows += rows_of(name, KINDS[name].walls, odometry, results)
+            rows += [loop_row(name, results)] if KINDS[name].loops else []
             spent += [Spent(name, len(log.times), *each.milliseconds) for log, each in zip(logs, results)]
     if given.real_logs:
         real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed})
@@ -154,17 +154,17 @@ def own_rows(given: argparse.Namespace) -> list[Row]:
 
 
 def _logs(kind: Kind, given: argparse.Namespace) -> list[tuple[str, list[ScanLog]]]:
-    """With each model of odometry; where loops end with the random walk alone, whose errors grow with the way."""
+    """With each model of odometry that the kind is judged with."""
     taken = list(drives(kind, given.first_seed, given.missions, Path(given.logs)))
     walking = (WALK, [drive.walking for drive in taken])
-    return [walking] if kind.walls is None else [(BIAS, [drive.biased for drive in taken]), walking]
+    return [walking] if kind.loops else [(BIAS, [drive.biased for drive in taken]), walking]
 
 
 def peer_rows(given: argparse.Namespace) -> list[Row]:
     others = peers()
     settings: dict[Setting, Engines] = {}
     for name in given.kinds:
-        if KINDS[name].walls is None:
+        if KINDS[name].loops:
             continue
         for odometry, logs in _logs(KINDS[name], given):
             engines: dict[str, Make] = {OURS: slam_of, **others}

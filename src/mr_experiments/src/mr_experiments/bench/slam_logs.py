@@ -27,15 +27,17 @@ FIRST_SEED = 73001
 
 @dataclass(frozen=True)
 class Kind:
-    """`logs`: of which the table is made. `walls`: bars of wrong walls in %, mean and worst; none for a kind that is
-    judged where its loops end. `world`: from a seed; empty is the scenario's own. `odometry_error`: standard deviations
-    of a random walk after 1 m and 1 rad, the bounds of Stage's bias in the worlds."""
+    """`logs`: of which the table is made. `walls`: bars of wrong walls in %, mean and worst. `world`: from a seed;
+    empty is the scenario's own. `odometry_error`: standard deviations of a random walk after 1 m and 1 rad, the bounds
+    of Stage's bias in the worlds. `loops`: judged also where its loops end, with the random walk alone, whose errors
+    grow with the way."""
 
     logs: int
-    walls: tuple[float, float] | None
+    walls: tuple[float, float]
     world: str = ""
     scenario: str = "paper"
     odometry_error: tuple[float, float] = (0.03, 0.05)
+    loops: bool = False
 
 
 KINDS = {
@@ -45,7 +47,7 @@ KINDS = {
     "loops": Kind(10, (5.0, 5.0), "generated:loop:{}:45x40"),
     # Slanted walls among square ones, and far ends where the least turn shows.
     "large floor": Kind(6, (0.5, 3.0), "large60x60"),
-    "large loops": Kind(12, None, "generated:loop:{}:60x60"),
+    "large loops": Kind(12, (0.5, 3.0), "generated:loop:{}:60x60", loops=True),
 }
 """How many logs there are of each is settled here, before any of them is seen: a row over as many as it takes to pass
 says nothing."""
