@@ -95,6 +95,19 @@ def test_a_robot_that_was_stopped_before_it_had_begun_stays_so() -> None:
     assert anew.agent.exploration_time(anew.now) == 0.0 and anew.agent.memory.ended_by == "stopped"
 
 
+@pytest.mark.parametrize(
+    ("order", "text"),
+    [("go_home", "sent home, at home"), ("return_now", "is called back, waits for the start")],
+    ids=["sent home", "called back"],
+)
+def test_a_robot_that_was_ordered_home_before_it_had_begun_stays_there(order: str, text: str) -> None:
+    bench = not_begun()
+    assert getattr(bench.agent, order)(bench.now).done
+    anew = started_anew(bench, autostart=False)
+    anew.place(1.0, 0.0)
+    assert not of_kind(SetGoal, anew.run(2.0)) and anew.agent.text == text
+
+
 def test_a_mission_of_another_clock_starts_anew() -> None:
     bench = driving()
     anew = Bench(7)

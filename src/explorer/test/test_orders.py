@@ -7,9 +7,10 @@ from test_agent import Bench, corridor, reply
 
 from explorer.agent import ExplorerAgent
 from explorer.answer import Answer
-from explorer.messages import Auction, CancelGoal, Note, SendAuction, SetGoal, WriteLog
+from explorer.messages import Auction, CancelGoal, Note, SendAuction, SendState, SetGoal, WriteLog
 from explorer.options import Options
 from explorer.status import State
+from explorer.team_state import TeamOrder
 from mr_grid import Pose
 
 
@@ -201,11 +202,19 @@ def test_a_robot_that_has_ended_is_not_called_back() -> None:
     assert order(bench, bench.agent.return_now) == Answer(False, "has ended: stopped")
 
 
+def test_a_robot_that_is_on_its_way_back_can_be_sent_home_for_good() -> None:
+    """The order was refused, "is on its way home already", and at home the robot waited to be resumed."""
+    bench = driving()
+    bench.place(3.0, 0.0)
+    order(bench, bench.agent.return_now)
+    bench.run(1.0)
+    assert order(bench, bench.agent.go_home) == Answer(True, "drives home")
+    bench.place(0.5, 0.0)
+    bench.run(1.0)
+    assert (bench.agent.state, bench.agent.text) == (State.FINISHED, "sent home, at home")
+
+
 def test_refusals_say_why() -> None:
-    waiting = Bench(7)
-    waiting.run(1.0)
-    assert order(waiting, waiting.agent.return_now) == Answer(False, "has not begun to explore: waits for the map")
-    assert order(waiting, waiting.agent.go_home) == Answer(False, "has not begun to explore: waits for the map")
     bench = driving()
     assert order(bench, bench.agent.resume) == Answer(False, "is not paused")
     order(bench, bench.agent.pause)
@@ -224,13 +233,114 @@ def test_a_robot_that_waits_for_its_map_can_be_paused() -> None:
     """The order was refused, and of a team that was paused the one robot drove off whose SLAM had started again."""
     bench = Bench(7)
     bench.run(1.0)
-    assert order(bench, bench.agent.pause) == Answer(True, "paused, waits for the map")
+    assert order(bench, bench.agent.pause) == Answer(True, "is paused, waits for the map")
     assert order(bench, bench.agent.pause) == Answer(False, "is paused already")
+    bench.run(1.0)
+    assert (bench.agent.state, bench.agent.text) == (State.STARTING, "is paused, waits for the map")
     bench.map(corridor())
     assert not of_kind(SetGoal, bench.run(5.0))
     assert (bench.agent.state, bench.agent.text) == (State.WAITING, "is paused")
     assert order(bench, bench.agent.resume).done
     assert of_kind(SetGoal, bench.run(5.0))
+
+
+def unstarted(**options: Any) -> Bench:
+    """It has map and pose, and waits for the start."""
+    bench = Bench(7, **options)
+    bench.agent = ExplorerAgent(Options(robot_name="robot_0", autostart=False, **options))
+    bench.map(corridor()).run(1.0)
+    assert bench.agent.text == "waits for the start"
+    return bench
+
+
+@pytest.mark.parametrize("radio", [False, True], ids=["service", "mission control"])
+def test_a_robot_that_is_called_back_before_its_start_waits_at_home_until_it_is_resumed(radio: bool) -> None:
+    """The order was refused, and the robot drove off with the start."""
+    bench = unstarted()
+    if radio:
+        bench.agent.on_order(TeamOrder("base", 1, "return_now"), bench.now)
+        told = [effect.state.answer for effect in of_kind(SendState, bench.run(1.0))]
+        assert told == [Answer(True, "is called back, waits for the start")]
+    else:
+        assert order(bench, bench.agent.return_now) == Answer(True, "is called back, waits for the start")
+    assert order(bench, bench.agent.return_now) == Answer(False, "is called back already")
+    bench.run(5.0)
+    assert (bench.agent.state, bench.agent.text) == (State.STARTING, "is called back, waits for the start")
+    assert bench.agent.exploration_time(bench.now) == 0.0
+    assert order(bench, bench.agent.order_start) == Answer(
+        True, "exploration started; the robot is called back until it is resumed"
+    )
+    assert not of_kind(SetGoal, bench.run(5.0))
+    assert (bench.agent.state, bench.agent.text) == (State.WAITING, "is called back, at home")
+    assert order(bench, bench.agent.resume).done
+    assert of_kind(SetGoal, bench.run(2.0)) and bench.agent.state == State.EXPLORING
+
+
+def test_a_robot_that_is_resumed_before_its_start_explores_with_it() -> None:
+    bench = unstarted()
+    order(bench, bench.agent.pause)
+    assert order(bench, bench.agent.return_now) == Answer(True, "is called back, waits for the start")
+    assert order(bench, bench.agent.resume).done
+    assert not of_kind(SetGoal, bench.run(2.0)) and bench.agent.text == "waits for the start"
+    assert order(bench, bench.agent.order_start) == Answer(True, "exploration started")
+    assert of_kind(SetGoal, bench.run(2.0))
+
+
+def test_a_robot_that_is_sent_home_before_its_start_stays_there_and_never_starts() -> None:
+    """The order was refused, and the robot drove off with the start."""
+    bench = unstarted(return_home=False)
+    assert order(bench, bench.agent.go_home) == Answer(True, "stays at home")
+    effects = bench.run(5.0)
+    assert (bench.agent.state, bench.agent.text) == (State.FINISHED, "sent home, at home")
+    assert [note.text for note in of_kind(Note, effects)] == ["exploration ended before it began: sent home"]
+    assert order(bench, bench.agent.go_home) == Answer(False, "is at home")
+    assert order(bench, bench.agent.order_start) == Answer(
+        False, "has ended: sent home, at home; a new mission begins with a new launch"
+    )
+    assert not of_kind(SetGoal, bench.run(5.0)) and bench.agent.exploration_time(bench.now) == 0.0
+
+
+def test_a_robot_that_waits_for_its_map_can_be_sent_home() -> None:
+    bench = Bench(7)
+    bench.run(1.0)
+    assert order(bench, bench.agent.go_home) == Answer(True, "sent home, waits for the map")
+    assert order(bench, bench.agent.go_home) == Answer(False, "is on its way home already")
+    bench.run(1.0)
+    assert (bench.agent.state, bench.agent.text) == (State.STARTING, "sent home, waits for the map")
+    assert not of_kind(SetGoal, bench.map(corridor()).run(5.0))
+    assert (bench.agent.state, bench.agent.text) == (State.FINISHED, "sent home, at home")
+
+
+@pytest.mark.parametrize("stopped", [False, True], ids=["waiting", "stopped"])
+def test_a_robot_whose_home_is_elsewhere_drives_there_when_it_is_sent_home_before_its_start(stopped: bool) -> None:
+    bench = unstarted(home_pose=(2.5, 0.0, 0.0))
+    if stopped:
+        order(bench, bench.agent.stop)
+        bench.run(1.0)
+    assert order(bench, bench.agent.go_home) == Answer(True, "drives home")
+    assert [goal.pose for goal in of_kind(SetGoal, bench.run(1.0))] == [Pose(2.5, 0.0, 0.0)]
+    bench.place(2.5, 0.0)
+    bench.run(1.0)
+    ended = "stopped" if stopped else "sent home"
+    assert (bench.agent.state, bench.agent.text) == (State.FINISHED, f"{ended}, at home")
+
+
+def test_a_clock_that_is_set_back_does_not_start_a_robot_that_was_sent_home_before_its_start() -> None:
+    bench = unstarted()
+    order(bench, bench.agent.go_home)
+    bench.run(1.0)
+    bench.now = 5.0
+    assert not of_kind(SetGoal, bench.run(5.0))
+    assert (bench.agent.state, bench.agent.text) == (State.FINISHED, "sent home, at home")
+
+
+def test_what_started_or_ended_is_not_started_again_and_says_so() -> None:
+    bench = driving()
+    assert order(bench, bench.agent.order_start) == Answer(False, "exploration was started before")
+    order(bench, bench.agent.stop)
+    assert order(bench, bench.agent.order_start) == Answer(
+        False, "has ended: stopped; a new mission begins with a new launch"
+    )
 
 
 def test_a_robot_that_is_stopped_before_its_start_never_starts() -> None:

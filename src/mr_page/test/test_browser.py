@@ -229,6 +229,35 @@ def test_a_base_station_orders_one_robot_by_its_radio():
     assert asked == [("base", Order("pass_on_pause", "bob"))]
 
 
+def test_orders_that_a_robot_would_refuse_are_grey_and_no_others():
+    """Once called back it could not be resumed here, not paused while it waited, not sent home once it was stopped."""
+    state = PageState()
+    state.put("anna", "about", {"start": None})
+    state.put("anna", "services", {order: True for order in ORDERS})
+    able = "[...document.querySelectorAll('#commands button[aria-disabled=false]')].map((b) => b.id.slice(8)).join()"
+
+    async def run():
+        async with served(state) as address, browser() as one:
+            tab = await one.open(f"http://{address}/", 1300, 850)
+            for stage, words, orders in (
+                ("starting", "waits for the start", "start,pause,return_now,stop,go_home"),
+                ("starting", "is paused, waits for the start", "start,resume,return_now,stop,go_home"),
+                ("starting", "is called back, waits for the start", "start,pause,resume,stop,go_home"),
+                ("exploring", "drives to (1.0, 2.0)", "pause,return_now,stop,go_home"),
+                ("returning", "is called back, drives home", "pause,resume,stop,go_home"),
+                ("waiting", "is called back, at home", "pause,resume,stop,go_home"),
+                ("returning", "sent home, drives home", "pause,return_now,stop"),
+                ("finished", "stopped", "go_home"),
+                ("finished", "sent home, at home", ""),
+            ):
+                told = {"state": stage, "text": words, "finished": False, "frontiers": 3, "clusters": 1}
+                state.put("anna", "state", told)
+                await tab.wait_for(f"{text('#reason')}.includes('{words}') && {able} === '{orders}'")
+            assert tab.errors == []
+
+    asyncio.run(run())
+
+
 def test_grey_radio_buttons_switch_no_radio():
     """For all robots at once they are grey."""
     state, asked = PageState(), []

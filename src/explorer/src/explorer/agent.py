@@ -31,6 +31,7 @@ from mr_grid import Pose
 
 CLOCK_TOLERANCE = 1.0  # s by which the clock may be set back without consequences
 LONGEST_TICK = 60.0  # s from one tick to the next, beyond which the clock was set forward
+STARTED = "exploration started"
 MAXIMUM_CHOSEN = 5000  # elements of one negotiation list that are read
 
 
@@ -54,8 +55,8 @@ class ExplorerAgent:
         emit = self._outbox.append
         self._missions = Missions(options, self._senses, self.perception, self.foreign, emit, on_decision)
         self.mission = self._missions.first()
-        orders = {"pause": self.pause, "resume": self.resume, "return_now": self.return_now}
-        orders.update({"start": self._start, "stop": self.stop, "go_home": self.go_home})
+        orders = {"start": self.order_start, "pause": self.pause, "resume": self.resume}
+        orders.update({"return_now": self.return_now, "stop": self.stop, "go_home": self.go_home})
         self._team_orders = TeamOrders(orders, emit)
 
     # ---- input ----------------------------------------------------------------------------------------------------
@@ -64,12 +65,21 @@ class ExplorerAgent:
         """Starts the mission; False if it was started or stopped before."""
         return self.mission.start(now)
 
+    def order_start(self, now: float) -> Answer:
+        """The same, as an order of somebody: answered in words."""
+        if self.start(now):
+            halt = self.mission.orders.halt
+            return Answer(True, f"exploration started; the robot {halt} until it is resumed" if halt else STARTED)
+        if self.finished_at is not None:
+            return Answer(False, f"has ended: {self.text}; a new mission begins with a new launch")
+        return Answer(False, "exploration was started before")
+
     def pause(self, now: float) -> Answer:
         """The robot stays where it is and claims nothing until it is to `resume`."""
         return self.mission.steering.pause(now)
 
     def return_now(self, now: float) -> Answer:
-        """The robot drives home at once and waits there until it is to `resume`."""
+        """The robot drives home at once and waits there until it is to `resume`; one that has not begun waits there."""
         return self.mission.steering.return_now(now)
 
     def resume(self, now: float) -> Answer:
@@ -80,7 +90,7 @@ class ExplorerAgent:
         return self.mission.steering.stop(now)
 
     def go_home(self, now: float) -> Answer:
-        """Ends the exploration and drives home."""
+        """Ends the exploration and drives home; one that has not begun stays there, and does not begin."""
         return self.mission.steering.go_home(now)
 
     def recall(self, memory: Memory, now: float) -> None:
@@ -185,10 +195,6 @@ class ExplorerAgent:
         area = 0.0 if self.map is None else self.map.known_area
         time = self.exploration_time(now)
         self._team_orders.tell(TeamState(self.name, int(self.state), self.text, "", ended_by, time, area))
-
-    def _start(self, now: float) -> Answer:
-        started = self.start(now)
-        return Answer(started, "exploration started" if started else "exploration was started or stopped before")
 
     # ---- what is told of the robot --------------------------------------------------------------------------------
 

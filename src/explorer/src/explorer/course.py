@@ -21,6 +21,11 @@ class Course:
     def be(self, state: State, text: str) -> None:
         self.state, self.text = state, text
 
+    def wait_for(self, awaited: str) -> None:
+        """The robot has not begun, for want of that; an order that it was given meanwhile is told."""
+        order = self._orders.halt or self._orders.ended_by
+        self.be(State.STARTING, f"{order}, waits for {awaited}" if order else f"waits for {awaited}")
+
     def exploration_time(self, now: float) -> float:
         """Seconds from the start of the mission, fixed once finished (T_r)."""
         if self.started_at is None:

@@ -90,7 +90,7 @@ class Exploration:
             self.driver,
             self.ending,
             senses,
-            begun=lambda: self._begun,
+            awaited=lambda: self._awaited,
             give_up_claim=self._give_up_claim,
             end=self._end,
         )
@@ -149,8 +149,9 @@ class Exploration:
             self._reopen()
         if self.state == State.FINISHED and not self._homecoming.makes_room(now):
             return
-        if self.started_at is None or self._senses.map is None or self._senses.pose is None:
-            self._course.be(State.STARTING, f"waits for {self._awaited}")
+        awaited = self._awaited
+        if awaited:
+            self._course.wait_for(awaited)
         elif self.orders.paused:
             self._stand(now)
         elif self.orders.halt:
@@ -164,11 +165,13 @@ class Exploration:
 
     @property
     def _awaited(self) -> str:
-        """What there is to be before the robot begins."""
+        """What there is to be before the robot explores or drives home, empty if it can."""
         if self._senses.map is None:
             return "the map"
         if self._senses.pose is None:
             return "the robot's pose"
+        if self.started_at is not None or self.finished_at is not None:
+            return ""
         return "move_base" if self._autostart else "the start"
 
     @property
@@ -274,13 +277,15 @@ class Exploration:
         self._course.finished_at, self.orders.ended_by = now, reason
         self.driver.drop()
         self._give_up_claim(now)
+        if self.started_at is None:
+            self._emit(Note(f"exploration ended before it began: {reason}"))
+            return
         how = "finished" if self.orders.complete else "ended"
         why = "" if self.orders.complete else f": {reason}"
         self._emit(Note(f"exploration {how} after {self.exploration_time(now):.1f} s{why}"))
         self._emit(Note(sentence(self._perception.leftovers())))
         self._reopening.end()
-        if self.started_at is not None:
-            self._journal.finish(self.orders.complete, self.counters, self._senses.map, now)
+        self._journal.finish(self.orders.complete, self.counters, self._senses.map, now)
 
     def _give_up_claim(self, now: float) -> None:
         self.claim.release()

@@ -3,20 +3,29 @@
 import { byId, button, make, setText } from "./dom.js";
 
 const ended = ({ state }) => (state?.state === "finished" ? "has come to rest already" : "");
-const begun = ({ state }) => (state && state.state !== "starting" ? "" : "has not begun");
+const waitsForStart = ({ state }) => !state || state.state === "starting";
+const atHome = ({ state }) => state?.state === "finished" && state.text?.endsWith("at home");
+
+/** What holds a robot until it is resumed, in words; empty for nothing. */
+function hold({ decision, state }) {
+  return decision?.paused ? "is paused" : /^is (paused|called back)/.exec(state?.text ?? "")?.[0] ?? "";
+}
 
 const ORDERS = { // name: label, hint, and why a robot (its values) cannot do it now; empty: it can
-  start: { text: "Start", hint: "Begin to explore", not: (v) => (begun(v) ? "" : "has begun already") },
+  start: { text: "Start", hint: "Begin to explore", not: (v) => (waitsForStart(v) ? "" : ended(v) || "has begun already") },
   pause: {
     text: "Pause", hint: "Stand still until resumed",
-    not: (v) => (v.decision?.paused ? "is paused already" : begun(v) || ended(v)),
+    not: (v) => (hold(v) === "is paused" ? "is paused already" : ended(v)),
   },
-  resume: { text: "Resume", hint: "Go on", not: (v) => (v.decision?.paused ? "" : "is not paused") },
-  return_now: { text: "Return now", hint: "Drive to the start at once and wait there", not: (v) => begun(v) || ended(v) },
-  stop: { text: "Stop", hint: "End the exploration where the robot is", not: (v) => begun(v) || ended(v) },
+  resume: { text: "Resume", hint: "Go on", not: (v) => (hold(v) ? "" : "is not paused") },
+  return_now: {
+    text: "Return now", hint: "Drive to the start at once and wait there until resumed",
+    not: (v) => (hold(v) === "is called back" ? "is called back already" : ended(v)),
+  },
+  stop: { text: "Stop", hint: "End the exploration where the robot is", not: ended },
   go_home: {
     text: "Send home", hint: "End the exploration and drive to the start",
-    not: (v) => begun(v) || (v.state?.state === "returning" ? "is on its way home" : ended(v)),
+    not: (v) => (v.state?.state === "returning" && !hold(v) ? "is on its way home" : atHome(v) ? "is at home" : ""),
   },
 };
 const RADIO = {
@@ -48,9 +57,9 @@ const SERVICES = {
   "": (order) => `explorer/${order}`, [TEAM]: (order) => `mission_control/${order}`, [PASS_ON]: () => "mission_control/order",
 };
 
-/** The same of one that has told how it is over the radio, which does not say whether it is paused. */
+/** The same of one that has told how it is over the radio; an order to hold may still be on its way to it. */
 function whyNotHeard(heard, order) {
-  return heard?.state && order !== "resume" ? ORDERS[order].not({ state: { state: heard.state } }) : "";
+  return heard?.state && order !== "resume" ? ORDERS[order].not({ state: heard }) : "";
 }
 
 /** Whether a robot can pass orders on to the others. */
