@@ -1,4 +1,4 @@
-"""Ctrl-C while the team runner, or a node, is still being read."""
+"""Ctrl-C while a node is still being read, and while the team runner starts."""
 
 import os
 import signal
@@ -13,25 +13,46 @@ from mr_launch.team import NODES_PATIENCE
 from mr_measures.record.files import read_record
 
 TEAM = Path(__file__).resolve().parents[1] / "nodes" / "team"
+PACKAGES = TEAM.parents[2]
+NODES = sorted(
+    f"{path.parts[-3]}/{path.name}"
+    for path in PACKAGES.glob("*/nodes/*")
+    if path.is_file() and path.read_text().startswith("#!/usr/bin/env python3")
+)
+# Read before any other: the first import that is not of Python's own takes its time, says so, and loses what comes.
+LOSING = """
+import sys, time
 
 
-@pytest.fixture
-def slow(tmp_path):
-    """Environment in which the import of the command takes its time, and says so."""
-    package = tmp_path / "mr_launch"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "commands.py").write_text("import time\nprint('importing', flush=True)\ntime.sleep(60.0)\n")
-    return {**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
+class Losing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {*sys.stdlib_module_names, "usercustomize"}:
+            return
+        print("importing", flush=True)
+        try:
+            time.sleep(30.0)
+        except BaseException:
+            sys.exit("lost")
 
 
-def test_an_interrupt_during_the_imports_ends_it_without_a_traceback(slow):
-    command = [sys.executable, str(TEAM)]
-    with subprocess.Popen(command, env=slow, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as team:
-        assert team.stdout.readline() == "importing\n"
-        team.send_signal(signal.SIGINT)
-        _, errors = team.communicate(timeout=20.0)
-    assert (team.returncode, errors) == (-signal.SIGINT, "")
+sys.meta_path.insert(0, Losing())
+"""
+WIND_UP = {  # commands that end what they have begun when they are interrupted: where they are defined
+    "mr_launch/doctor": "mr_launch.doctor.command main",
+    "mr_launch/export": "mr_launch.recordings.export_command main",
+    "mr_launch/replay": "mr_launch.recordings.replay_command main",
+    "mr_launch/soak": "mr_launch.soak.command main",
+    "mr_launch/team": "mr_launch.commands team",
+    "mr_page/bench_page": "mr_page.bench main",
+}
+
+
+def run_node(node, folder):
+    package, name = node.split("/")
+    environment = {**os.environ, "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}"}
+    command = [sys.executable, str(PACKAGES / package / "nodes" / name)]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, env=environment, stdout=pipe, stderr=pipe, text=True)
 
 
 @pytest.mark.parametrize("isolation", ["namespaces", "hub"])
@@ -53,28 +74,26 @@ def test_an_interrupt_before_the_mission_begins_waits_for_no_roslaunch_that_is_s
     assert read_record(tmp_path / "out" / "record.json").outcome.reason == "interrupted"
 
 
-@pytest.mark.parametrize(
-    "node",
-    [
-        "explorer/nodes/explorer",
-        "map_merger/nodes/map_merger",
-        "mr_launch/nodes/monitor",
-        "mr_robot/nodes/move_base",
-        "mr_robot/nodes/slam",
-        "mr_robot/nodes/velocity_override",
-    ],
-)
+@pytest.mark.parametrize("node", NODES)
 def test_an_interrupt_during_the_imports_ends_a_node(node, tmp_path):
-    """An import lost it, as this one does: the team runner then waited for the node for half a minute."""
-    (tmp_path / "rospy.py").write_text(
-        "import time\nprint('importing', flush=True)\ntry:\n    time.sleep(30.0)\nexcept BaseException:\n    pass\n"
-    )
-    path = f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"
-    command = [sys.executable, str(TEAM.parents[2] / node)]
-    with subprocess.Popen(
-        command, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
+    """An import lost it, as this one does, and the team runner waited for half a minute; or it ended in a traceback."""
+    (tmp_path / "sitecustomize.py").write_text(LOSING)
+    with run_node(node, tmp_path) as process:
         assert process.stdout.readline() == "importing\n"
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=20.0)
     assert (process.returncode, errors) == (-signal.SIGINT, "")
+
+
+@pytest.mark.parametrize("node", WIND_UP)
+def test_an_interrupt_after_the_imports_lets_a_command_wind_up(node, tmp_path):
+    module, function = WIND_UP[node].split()
+    place = tmp_path.joinpath(*module.split("."))
+    place.parent.mkdir(parents=True)
+    for folder in list(place.parents)[: module.count(".")]:
+        (folder / "__init__.py").touch()
+    handler = "__import__('signal').getsignal(2).__name__"
+    place.with_suffix(".py").write_text(f"def {function}(*_):\n    print({handler})\n")
+    with run_node(node, tmp_path) as process:
+        said, errors = process.communicate(timeout=20.0)
+    assert (said, errors) == ("default_int_handler\n", "")
