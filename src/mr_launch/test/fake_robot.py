@@ -1,5 +1,5 @@
 """Drivers and SLAM of a simulated robot in one node, for the doctor. The parameter ~faults, a list, says what
-is wrong from the next moment on: scan, stamps, double."""
+is wrong from the next moment on: scan, stamps, double, slow (odometry), unmounted (laser)."""
 
 import math
 import time
@@ -32,6 +32,7 @@ def main():
     broadcaster = tf2_ros.TransformBroadcaster()
     maps.publish(OccupancyGrid())
     rate = rospy.Rate(10.0)
+    turn = 0
     while not rospy.is_shutdown():
         faults = rospy.get_param("~faults", [])
         clock.publish(rospy.Time.from_sec(time.time()))
@@ -42,9 +43,12 @@ def main():
             scans.publish(scan)
         way = Odometry()
         way.header.stamp, way.header.frame_id = now, "odom"
-        ways.publish(way)
+        if turn % 10 == 0 or "slow" not in faults:
+            ways.publish(way)
+        turn += 1
         chain = {**CHAIN, **({"laser": "map"} if "double" in faults else {})}
-        broadcaster.sendTransform([*transforms(now, CHAIN), *transforms(now, chain)])
+        sent = [*transforms(now, CHAIN), *transforms(now, chain)]
+        broadcaster.sendTransform([one for one in sent if one.child_frame_id != "laser" or "unmounted" not in faults])
         rate.sleep()
 
 

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import time
+import xmlrpc.client
 
 from mr_launch.programs import free_ports
 
@@ -18,8 +19,9 @@ class LiveMaster:
             **os.environ, "ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost",
             "ROS_LOG_DIR": str(folder), "ROS_HOME": str(folder),
         }  # fmt: skip
+        self._master = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
         self.start("core", "roscore", "-p", str(port))
-        self.wait_for(lambda: self.run("rosparam", "get", "/run_id").returncode == 0)
+        self.wait_for(lambda: self._ask("hasParam", "/run_id") is True)
 
     def start(self, name, *command):
         with (self.folder / f"{name}.output").open("wb") as output:
@@ -27,13 +29,30 @@ class LiveMaster:
                 [str(word) for word in command], env=self.environment, cwd=self.folder, stdout=output, stderr=output
             )
 
+    def kill(self, *names):
+        for name in names:
+            self.processes[name].kill()
+            self.processes[name].wait()
+
     def run(self, *command):
         return subprocess.run(command, env=self.environment, capture_output=True, text=True, timeout=60, check=False)
 
     def set(self, **parameters):
         """`node__name=value` for the parameter /node/name."""
         for name, value in parameters.items():
-            self.run("rosparam", "set", "/" + name.replace("__", "/"), str(value))
+            self._ask("setParam", "/" + name.replace("__", "/"), value)
+
+    def forget(self, *names):
+        for name in names:
+            self._ask("deleteParam", "/" + name.replace("__", "/"))
+
+    def _ask(self, question, *words):
+        """What the master answers; None where it does not."""
+        try:
+            code, _, answer = getattr(self._master, question)("/test", *words)
+        except OSError:
+            return None
+        return answer if code == 1 else None
 
     def wait_for(self, done):
         end = time.monotonic() + 30.0
@@ -42,7 +61,7 @@ class LiveMaster:
             time.sleep(0.1)
 
     def wait_for_node(self, name):
-        self.wait_for(lambda: name in self.run("rosnode", "list").stdout.split())
+        self.wait_for(lambda: self._ask("lookupNode", name))
 
     def close(self):
         for process in reversed(list(self.processes.values())):

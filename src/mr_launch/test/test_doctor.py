@@ -299,9 +299,19 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
     ),
     "radio hangs": (replace(HEALTHY, radio=Radio(answers=False), peers=()), "does not answer", "rosnode kill"),
     "a copied disk": (
-        complaining("two robots are called anna: give each", 2),
+        complaining("two robots are called anna: give each its own ~robot_name", 2),
         "two robots are called anna",
-        "robot_name:=",
+        "give one of them another robot_name:=",
+    ),
+    "two robots of one name at a hub": (
+        complaining("hub:/tmp/hub is down", 2),
+        "/tmp/hub is down",
+        "each robot its own",
+    ),
+    "a type that nobody here has": (
+        complaining("packets received cannot be published: see the node's log"),
+        "packets received cannot be published",
+        "the node's log says which",
     ),
     "another key": (complaining("frames are refused: forged"), "refused: forged", "team_key show"),
     "a key on one side only": (complaining("frames are refused: unsealed"), "unsealed", "all robots or on none"),

@@ -193,9 +193,7 @@ class Robot:
         return answered.wait(PATIENCE)
 
     def _radio(self, answers: bool, listener: Listener) -> Radio:
-        """Without a key everybody is warned, by intention."""
-        sealed = bool(parameters_of(self._given, "adhoc_communication").get("key_file"))
-        told = [each for each in listener.complaints() if _is_fault(each.part, each.text, sealed)]
+        told = [each for each in listener.complaints() if _is_fault(each.part, each.text)]
         robots = tuple(self._status.robots) if self._status is not None else ()
         return Radio(answers, robots, tuple(told))
 
@@ -213,11 +211,10 @@ class Robot:
         return ""
 
 
-def _is_fault(part: str, text: str, sealed: bool) -> bool:
-    """A weak link is none: robots drive out of reach. Open frames are the user's choice."""
-    if part == "neighbors":
-        return " lost to " not in text
-    return part != "security" or sealed
+def _is_fault(part: str, text: str) -> bool:
+    """A weak link is none: robots drive out of reach. Open frames are the user's choice, and what else is told of
+    security is told of the frames that are refused, too."""
+    return part != "security" and not (part == "neighbors" and " lost to " in text)
 
 
 @dataclass(frozen=True)

@@ -217,12 +217,17 @@ def check_radio(facts: Facts) -> Iterator[Finding]:
         yield Finding("radio", what, "see its log; rosnode kill /adhoc_communication, it is started again")
         return
     for complaint in radio.complaints:
-        yield Finding("radio", complaint.text, _remedy_of(complaint))
+        yield Finding("radio", _without_remedy(complaint.text), _remedy_of(complaint))
     away = [peer for peer in facts.peers if peer not in radio.robots]
     if away:
         heard = f"heard: {', '.join(radio.robots)}" if radio.robots else "nobody is heard"
         remedy = "does it run there, on the same channel, in reach? docs/troubleshooting.md, No neighbours"
         yield Finding("peers", f"{', '.join(away)} cannot be reached ({heard})", remedy)
+
+
+def _without_remedy(text: str) -> str:
+    """The node's own is for who reads the diagnostics."""
+    return text.replace(": give each its own ~robot_name", "").replace(": see the node's log", "")
 
 
 def _remedy_of(complaint: Complaint) -> str:
@@ -234,6 +239,7 @@ def _remedy_of(complaint: Complaint) -> str:
 
 _REMEDIES = (
     ("two robots are called", "give one of them another robot_name:="),
+    ("hub:", "another node of this robot_name takes its place at the hub: give each robot its own robot_name:="),
     ("does not hear this robot", "look at antenna and transmit power (p_tx), and at sim_robot_macs there"),
     ("refused: unsealed", "key_file:= on all robots or on none"),
     ("refused: no key", "key_file:= on all robots or on none"),
