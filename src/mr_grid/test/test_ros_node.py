@@ -11,6 +11,7 @@ import pytest
 import rospy
 from rosgraph.roslogging import RosStreamHandler
 
+from mr_grid import ros_node
 from mr_grid.ros_node import lose_what_cannot_be_written, until_shutdown
 
 
@@ -86,3 +87,23 @@ def test_topics_that_are_closed_matter_only_until_shutdown(monkeypatch: pytest.M
     except rospy.ROSException as error:
         told.append(str(error))
     assert told == ([] if ended else ["publish() to a closed topic"])
+
+
+def test_a_node_waits_for_its_master_and_says_so_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    answers, slept = iter([False, False, True]), []
+    monkeypatch.setattr(ros_node.rosgraph, "is_master_online", lambda: next(answers))
+    monkeypatch.setattr(ros_node.time, "sleep", slept.append)
+    monkeypatch.setenv("ROS_MASTER_URI", "http://robot:11311")
+    ros_node.wait_for_master("slam")
+    assert len(slept) == 2 and capsys.readouterr().err == (
+        "slam: waits for a ROS master, none answers at http://robot:11311: start robot.launch or roscore, or set"
+        " ROS_MASTER_URI\n"
+    )
+
+
+def test_an_address_that_no_master_can_have_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "robot")
+    with pytest.raises(SystemExit, match=r"^slam: invalid master URI: robot: set ROS_MASTER_URI to one such as http:"):
+        ros_node.wait_for_master("slam")

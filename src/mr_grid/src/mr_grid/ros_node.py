@@ -3,22 +3,48 @@
 import contextlib
 import logging
 import signal
+import sys
 import threading
+import time
 from types import FrameType
 from typing import Any, Iterable, Iterator, Optional
 
+import rosgraph
 import rospy
 from rosgraph.roslogging import RosStreamHandler
 
 from mr_grid.parameter_names import unknown_parameters
 
+MASTER_PERIOD = 0.5  # s between two questions whether there is a master
+
 
 def init_node(name: str, **options: Any) -> None:
-    """As `rospy.init_node`. What the node logs is lost where it cannot be written, and the node goes on; signals end it
-    whatever the main thread is at."""
+    """As `rospy.init_node`, once a master answers. What the node logs is lost where it cannot be written, and the node
+    goes on; signals end it whatever the main thread is at."""
+    wait_for_master(name)
     rospy.init_node(name, **options)
     end_beside_the_main_thread()
     lose_what_cannot_be_written(logging.getLogger("rosout"))
+
+
+def wait_for_master(name: str) -> None:
+    """Says once that it waits. rospy waits in the midst of a node's start, where Ctrl-C and parameters are tracebacks.
+    Ends the program, with a sentence, where ROS_MASTER_URI is none."""
+    told = False
+    while not _master_answers(name):
+        if not told:
+            uri = rosgraph.get_master_uri()
+            remedy = "start robot.launch or roscore, or set ROS_MASTER_URI"
+            print(f"{name}: waits for a ROS master, none answers at {uri}: {remedy}", file=sys.stderr, flush=True)
+        told = True
+        time.sleep(MASTER_PERIOD)
+
+
+def _master_answers(name: str) -> bool:
+    try:
+        return bool(rosgraph.is_master_online())
+    except ValueError as error:
+        raise SystemExit(f"{name}: {error}: set ROS_MASTER_URI to one such as http://localhost:11311") from error
 
 
 @contextlib.contextmanager

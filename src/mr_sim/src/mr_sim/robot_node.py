@@ -92,7 +92,7 @@ class RobotNode:
 
     def run(self) -> int:
         """Publish until the world ends (0) or the connection is lost (1)."""
-        while not rospy.is_shutdown():
+        while not _ends():
             message = self._client.receive()
             if isinstance(message, protocol.State):
                 self._publish_state(message)
@@ -101,7 +101,7 @@ class RobotNode:
             elif isinstance(message, protocol.Bye):
                 rospy.loginfo("the world has ended")
                 return 0
-            elif not rospy.is_shutdown():
+            elif not _ends():
                 rospy.logerr("connection to the world lost")
                 return 1
         return 0
@@ -124,6 +124,11 @@ class RobotNode:
         scan.header.stamp = rospy.Time.from_sec(message.time)
         scan.ranges = message.ranges
         self._scans[message.ranger].publish(scan)
+
+
+def _ends() -> bool:
+    """Sooner than `rospy.is_shutdown`: what is done at shutdown closes the connection before that."""
+    return bool(rospy.core.is_shutdown_requested())
 
 
 def main() -> int:
