@@ -20,7 +20,7 @@ const ORDERS = { // name: label, hint, and why a robot (its values) cannot do it
   resume: { text: "Resume", hint: "Go on", not: (v) => (hold(v) ? "" : "is not paused") },
   return_now: {
     text: "Return now", hint: "Drive to the start at once and wait there until resumed",
-    not: (v) => (hold(v) === "is called back" ? "is called back already" : ended(v)),
+    not: (v) => (hold(v) === "is called back" ? "is called back already" : v.state?.finished ? "has ended its exploration" : ended(v)),
   },
   stop: { text: "Stop", hint: "End the exploration where the robot is", not: ended },
   go_home: {
