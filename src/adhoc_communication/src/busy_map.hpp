@@ -1,43 +1,45 @@
-// A map of which most entries have nothing to do at any time.
+// A table by hardware address of which most entries have nothing to do at any time.
 #pragma once
 
 #include <cstddef>
 #include <map>
 #include <utility>
 
+#include "address_map.hpp"
+
 namespace adhoc_communication {
 
 /// Whoever gives an entry something to do calls use(); work is looked for among the busy ones only, in the order of
-/// their keys. An entry stays where it is as long as it exists.
-template <typename Key, typename Value>
+/// their addresses. An entry stays where it is as long as it exists.
+template <typename Value>
 class BusyMap {
  public:
-  using Busy = std::map<Key, Value*>;
+  using Busy = std::map<MacAddress, Value*>;
 
   BusyMap() = default;
   BusyMap(const BusyMap&) = delete;
   BusyMap& operator=(const BusyMap&) = delete;
 
   std::size_t size() const { return entries_.size(); }
-  const std::map<Key, Value>& all() const { return entries_; }
-  const Value* find(const Key& key) const {
-    const auto found = entries_.find(key);
+  const AddressMap<Value>& all() const { return entries_; }
+  const Value* find(const MacAddress& address) const {
+    const auto found = entries_.find(address);
     return found == entries_.end() ? nullptr : &found->second;
   }
-  Value* find(const Key& key) { return const_cast<Value*>(std::as_const(*this).find(key)); }
+  Value* find(const MacAddress& address) { return const_cast<Value*>(std::as_const(*this).find(address)); }
 
   /// The entry, made by `make` if there is none.
   template <typename Make>
-  Value& use(const Key& key, Make make) {
-    if (const auto found = busy_.find(key); found != busy_.end()) return *found->second;
-    auto entry = entries_.find(key);
-    if (entry == entries_.end()) entry = entries_.emplace(key, make()).first;
-    busy_.emplace(key, &entry->second);
+  Value& use(const MacAddress& address, Make make) {
+    if (const auto found = busy_.find(address); found != busy_.end()) return *found->second;
+    auto entry = entries_.find(address);
+    if (entry == entries_.end()) entry = entries_.emplace(address, make()).first;
+    busy_.emplace(address, &entry->second);
     return entry->second;
   }
-  void erase(const Key& key) {
-    busy_.erase(key);
-    entries_.erase(key);
+  void erase(const MacAddress& address) {
+    busy_.erase(address);
+    entries_.erase(address);
   }
   template <typename Predicate>
   void erase_if(Predicate condition) {
@@ -49,7 +51,7 @@ class BusyMap {
   }
 
   const Busy& busy() const { return busy_; }
-  bool is_busy(const Key& key) const { return busy_.count(key) != 0; }
+  bool is_busy(const MacAddress& address) const { return busy_.count(address) != 0; }
   /// Those for which `idle` holds are busy no more.
   template <typename Predicate>
   void settle(Predicate idle) {
@@ -59,7 +61,7 @@ class BusyMap {
   }
 
  private:
-  std::map<Key, Value> entries_;
+  AddressMap<Value> entries_;
   Busy busy_;
 };
 

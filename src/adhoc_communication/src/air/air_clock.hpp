@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <map>
 
+#include "address_map.hpp"
 #include "adhoc_communication/types.hpp"
 #include "air/air_rate.hpp"
 #include "air/shared_air.hpp"
@@ -89,7 +89,7 @@ class AirClock {
 
   std::size_t largest_frame_;
   AirRate common_;                       ///< of all frames, whatever their kind
-  std::map<MacAddress, AirRate> kinds_;  ///< those measured, wire::kEverybody among them
+  AddressMap<AirRate> kinds_;  ///< those measured, wire::kEverybody among them
   SharedAir shared_;
   Time busy_until_{0};
   Transmissions recent_;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "address_map.hpp"
 #include "adhoc_communication/types.hpp"
 #include "medium/contention.hpp"
 #include "medium/options.hpp"
@@ -124,7 +125,7 @@ class Medium {
   ContendedChannel channel_;
   Turns turns_;
   std::vector<NodeState> nodes_;
-  std::map<MacAddress, Node> by_address_;
+  AddressMap<Node> by_address_;
   std::map<FlightKey, Flight> flights_;
   std::set<std::pair<Time, Node>> attempts_;
   std::uint64_t next_flight_ = 0;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <vector>
 
+#include "address_map.hpp"
 #include "identity.hpp"
 #include "multicast/transfer.hpp"
 #include "multicast/tree.hpp"
@@ -55,15 +55,15 @@ class Branches {
   Branch& of(const MacAddress& root, wire::BootTag boot, Time now);
   /// The tree of which this robot is the root; nothing before its first packet.
   Branch* own();
-  const std::map<MacAddress, Branch>& all() const { return branches_; }
-  std::map<MacAddress, Branch>& all() { return branches_; }
+  const AddressMap<Branch>& all() const { return branches_; }
+  AddressMap<Branch>& all() { return branches_; }
   /// Forgets trees that have been idle, and places to which nothing comes from above. The numbers of the own packets go
   /// on for ever.
   void expire(Time now);
 
  private:
   const Identity& self_;
-  std::map<MacAddress, Branch> branches_;
+  AddressMap<Branch> branches_;
 };
 
 }  // namespace adhoc_communication::multicast

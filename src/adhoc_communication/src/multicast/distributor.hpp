@@ -68,7 +68,7 @@ class Distributor {
   /// Forgets what has been idle.
   void expire(Time now);
 
-  const std::map<MacAddress, Branch>& branches() const { return branches_.all(); }
+  const AddressMap<Branch>& branches() const { return branches_.all(); }
 
  private:
   void settle(Time now);

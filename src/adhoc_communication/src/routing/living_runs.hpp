@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <vector>
 
+#include "address_map.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
@@ -75,7 +75,7 @@ class LivingRuns {
   static void forget_one(Runs& runs);
   static void displace(Runs& runs, wire::BootTag boot);
 
-  std::map<MacAddress, Runs> robots_;
+  AddressMap<Runs> robots_;
   Time next_expiry_{0};
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "address_map.hpp"
 #include "adhoc_communication/timings.hpp"
 #include "routing/link_cost.hpp"
 #include "routing/link_layer.hpp"
@@ -86,7 +87,7 @@ class Neighbors {
   /// Those whose silence has just ended their routes (section 6.9).
   std::vector<MacAddress> newly_silent(Time now);
 
-  const std::map<MacAddress, Neighbor>& all() const { return neighbors_; }
+  const AddressMap<Neighbor>& all() const { return neighbors_; }
   std::size_t candidates() const { return candidates_.size(); }
   /// As the hop ARQ sees it; nothing if it has not seen enough lately.
   void set_loss(const MacAddress& address, std::optional<double> loss);
@@ -106,7 +107,7 @@ class Neighbors {
   const Timings& timings_;
   Time own_interval_;
   LinkLayer link_layer_;
-  std::map<MacAddress, Neighbor> neighbors_;
+  AddressMap<Neighbor> neighbors_;
   /// A recorded run never proves anything, so each is named ever more rarely, and newcomers come first. The one named
   /// most often makes room.
   struct Candidate {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "address_map.hpp"
 #include "round_robin.hpp"
 #include "routing/living_runs.hpp"
 #include "wire/messages.hpp"
@@ -86,7 +87,7 @@ class RobotDirectory {
   bool is_taken(const std::string& name, const std::set<MacAddress>& bearers) const;
 
   LivingRuns& runs_;
-  std::map<MacAddress, Robot> robots_;
+  AddressMap<Robot> robots_;
   std::map<std::string, std::set<MacAddress>> by_name_;  ///< more than one if a robot has got another radio
   std::vector<DirectoryChange> changes_;
   const std::string own_name_;

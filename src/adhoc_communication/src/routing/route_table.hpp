@@ -2,12 +2,12 @@
 // costs are compared.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "address_map.hpp"
 #include "adhoc_communication/timings.hpp"
 #include "routing/link_cost.hpp"
 #include "wire/messages.hpp"
@@ -95,14 +95,14 @@ class RouteTable {
   std::set<MacAddress> take_changed() { return std::exchange(changed_, {}); }
 
   std::size_t size() const { return routes_.size(); }
-  const std::map<MacAddress, Route>& routes() const { return routes_; }
+  const AddressMap<Route>& routes() const { return routes_; }
 
  private:
   Route& entry(const MacAddress& destination);
   void invalidate(Route& route, Time now);
 
   const Timings& timings_;
-  std::map<MacAddress, Route> routes_;
+  AddressMap<Route> routes_;
   std::set<MacAddress> changed_;
 };
 

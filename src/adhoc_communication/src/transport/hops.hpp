@@ -98,7 +98,7 @@ class Hops : public Outbox {
   air::Transmitter& transmitter_;
   Journal& journal_;
   Statistics& statistics_;
-  BusyMap<MacAddress, Hop> hops_;
+  BusyMap<Hop> hops_;
   TurnTaking turns_;
   MacAddress last_served_{};
 };

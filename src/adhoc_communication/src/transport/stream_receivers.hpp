@@ -41,7 +41,7 @@ class StreamReceivers {
   routing::Router& router_;
   Outbox& outbox_;
   Reassembly& reassembly_;
-  BusyMap<MacAddress, std::unique_ptr<StreamReceiver>> receivers_;
+  BusyMap<std::unique_ptr<StreamReceiver>> receivers_;
 };
 
 }  // namespace adhoc_communication::transport
