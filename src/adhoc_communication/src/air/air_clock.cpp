@@ -39,9 +39,10 @@ void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacA
 }
 
 void AirClock::handed_over(bool kept) {
-  const auto first = first_after(handed_over_);
-  for (auto transmission = first; transmission != recent_.end(); ++transmission) transmission->kept = kept;
-  if (first != recent_.end()) handed_over_ = recent_.back().counter;
+  for (auto latest = recent_.rbegin(); latest != recent_.rend() && latest->counter > handed_over_; ++latest) {
+    latest->kept = kept;
+  }
+  if (!recent_.empty()) handed_over_ = recent_.back().counter;
 }
 
 void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time answered, std::size_t octets) {

@@ -18,6 +18,7 @@ class FairShare {
   static constexpr std::size_t kMostRemembered = 256;  ///< as many as there can be neighbours
 
   void sort(std::vector<Who>& waiting) const {
+    if (waiting.size() < 2) return;
     std::stable_sort(waiting.begin(), waiting.end(), [this](const Who& a, const Who& b) { return sent(a) < sent(b); });
   }
   void charge(const Who& who, std::size_t octets) {

@@ -9,14 +9,16 @@ namespace adhoc_communication::air {
 using wire::FrameType;
 
 std::vector<SendId> Schedule::pump(Time now) {
-  bool sent = true;
-  while (sent) {
-    sent = false;
-    for (std::uint8_t priority = 0; priority < transport::kPriorities && !sent; ++priority) {
-      sent = send_one(priority, now);
-    }
+  while (something_waits(now) && send_one(now)) {
   }
   return std::exchange(finished_, {});
+}
+
+bool Schedule::send_one(Time now) {
+  for (std::uint8_t priority = 0; priority < transport::kPriorities; ++priority) {
+    if (send_one(priority, now)) return true;
+  }
+  return false;
 }
 
 bool Schedule::send_one(std::uint8_t priority, Time now) {

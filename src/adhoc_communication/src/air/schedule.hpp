@@ -32,6 +32,7 @@ class Schedule {
   Time next_deadline(Time now) const;
 
  private:
+  bool send_one(Time now);
   bool send_one(std::uint8_t priority, Time now);
   std::vector<MacAddress> waiting_hops(std::uint8_t priority) const;
   bool send_from(const MacAddress& previous_hop, std::uint8_t priority, Time now);

@@ -29,7 +29,8 @@ class Engine::Implementation {
   SendId broadcast(BroadcastRequest request, Time now);
   std::vector<Frame> poll(Time now);
   void handed_over(bool kept) { air_.handed_over(kept); }
-  Time next_deadline() const;
+  /// Between two polls it changes by a touch only.
+  Time next_deadline() const { return touched_ ? now_ : next_poll_; }
   std::optional<Event> next_event() { return events_.next(); }
   std::vector<Record> take_records();
   void join_group(const std::string& group, Time now);
@@ -63,6 +64,7 @@ class Engine::Implementation {
   void malformed() { ++statistics_.frames_dropped.malformed; }
 
   // poll.cpp: what is due.
+  Time next_due() const;
   void maintain(Time now);
   void announce_changes(Time now);
   void fail_unreachable(Time now);
@@ -135,7 +137,7 @@ class Engine::Implementation {
 
   std::uint32_t next_flood_id_ = 0;
   Time now_{0};
-  Time expected_poll_ = Time::max();
+  Time next_poll_ = Time::max();
   bool touched_ = true;  ///< something came in since the last poll
 };
 

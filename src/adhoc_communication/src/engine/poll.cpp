@@ -15,7 +15,7 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   now_ = now;
   touched_ = false;
   streams_.take_news();
-  if (now - kTolerableLateness > expected_poll_) hops_.excuse_silence(now);
+  if (now - kTolerableLateness > next_poll_) hops_.excuse_silence(now);
   if (rhythm_.due() <= now) {
     maintain(now);
     presence_.send_beacon(now);
@@ -38,11 +38,11 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   for (const SendId id : schedule_.pump(now)) finish(id, true, {}, now);
   hops_.settle();
   receivers_.settle();
-  expected_poll_ = next_deadline();
+  next_poll_ = next_due();
   return transmitter_.take_frames();
 }
 
-Time Engine::Implementation::next_deadline() const {
+Time Engine::Implementation::next_due() const {
   if (touched_ || streams_.has_news()) return now_;
   return std::min({rhythm_.due(), router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
                    sends_.next_deadline(), hops_.next_deadline(now_), receivers_.next_deadline(),
