@@ -1,8 +1,8 @@
 // A table by hardware address of which most entries have nothing to do at any time.
 #pragma once
 
+#include <boost/container/flat_map.hpp>
 #include <cstddef>
-#include <map>
 #include <utility>
 
 #include "address_map.hpp"
@@ -10,11 +10,11 @@
 namespace adhoc_communication {
 
 /// Whoever gives an entry something to do calls use(); work is looked for among the busy ones only, in the order of
-/// their addresses. An entry stays where it is as long as it exists.
+/// their addresses; nobody may become busy meanwhile. An entry stays where it is as long as it exists.
 template <typename Value>
 class BusyMap {
  public:
-  using Busy = std::map<MacAddress, Value*>;
+  using Busy = boost::container::flat_map<MacAddress, Value*>;
 
   BusyMap() = default;
   BusyMap(const BusyMap&) = delete;

@@ -9,10 +9,10 @@
 // time.
 #pragma once
 
+#include <boost/container/flat_set.hpp>
 #include <deque>
-#include <map>
-#include <set>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -65,10 +65,16 @@ class RequestFlood {
   static Key key(const wire::RouteRequest& request) {
     return {request.originator, request.originator_boot, request.id};
   }
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const {
+      const auto& [originator, boot, id] = key;
+      return static_cast<std::size_t>((originator.number() ^ boot) * 0x9e3779b97f4a7c15u + id);
+    }
+  };
   struct Seen {
     Time forgotten{0};
     int forwards = 0;
-    std::set<MacAddress> holders;
+    boost::container::flat_set<MacAddress> holders;
   };
   struct Pending {
     Time due{0};
@@ -94,7 +100,7 @@ class RequestFlood {
   Outbox& outbox_;
   Random& random_;
   RequestLoad load_;
-  std::map<Key, Seen> seen_;
+  std::unordered_map<Key, Seen, KeyHash> seen_;
   std::deque<std::pair<Time, Key>> order_;  ///< in which they are forgotten
   std::vector<Pending> pending_;
 };

@@ -122,8 +122,10 @@ bool RobotDirectory::is_taken(const std::string& name, const std::set<MacAddress
   return lasting + (name == own_name_ ? 1 : 0) >= 2;
 }
 
+/// Which of several bearers of a name is the nearest may change by it; mostly there are none.
 void RobotDirectory::set_hops(Robot& robot, std::uint8_t hops) {
-  if (std::exchange(robot.hops, hops) != hops && by_name_.at(robot.name).size() > 1) ++version_;
+  const bool names_are_shared = by_name_.size() < robots_.size();
+  if (std::exchange(robot.hops, hops) != hops && names_are_shared && by_name_.at(robot.name).size() > 1) ++version_;
 }
 
 void RobotDirectory::forget_name(const Robot& robot, const MacAddress& address) {

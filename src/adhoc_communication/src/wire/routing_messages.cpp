@@ -62,12 +62,16 @@ std::optional<Beacon> read_beacon(Reader reader) {
   beacon.number = reader.u16();
   beacon.name = reader.text8();
   beacon.heard_count = reader.u16();
-  for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
+  const std::uint8_t heard = reader.u8();
+  beacon.heard.reserve(heard);
+  for (int left = heard; left > 0 && reader.ok(); --left) {
     const NeighborTag upper = reader.u32();
     const NeighborTag tag = upper << 16 | reader.u16();
     beacon.heard.push_back({tag, reader.u8()});
   }
-  for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
+  const std::uint8_t rumors = reader.u8();
+  beacon.rumors.reserve(rumors);
+  for (int left = rumors; left > 0 && reader.ok(); --left) {
     Rumor rumor{reader.individual_address(), reader.u64(), reader.u32(), reader.u8(), reader.text8()};
     if (!is_name(rumor.name) || rumor.hops == 0 || rumor.hops > kFarthestHop) return std::nullopt;
     beacon.rumors.push_back(std::move(rumor));
