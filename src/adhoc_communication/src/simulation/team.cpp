@@ -109,10 +109,12 @@ bool Team::run_until(Time end, const std::function<bool()>& done) {
 }
 
 Time Team::next_deadline() {
+  Time next = Time::max();
   for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
     if (deadlines_[robot] == Time::min()) deadlines_[robot] = robots_[robot].engine->next_deadline();
+    next = std::min(next, deadlines_[robot]);
   }
-  return deadlines_.empty() ? Time::max() : *std::min_element(deadlines_.begin(), deadlines_.end());
+  return next;
 }
 
 void Team::serve(std::size_t robot) {
