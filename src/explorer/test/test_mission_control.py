@@ -132,6 +132,14 @@ def test_nobody_tells_anything_without_a_control_and_not_for_long_after_it_has_g
     assert field.states == before
 
 
+def test_the_summary_says_once_that_a_robot_has_finished() -> None:
+    control = MissionControl("base", 1)
+    control.on_robots(["anna", "bob"], 0.0)
+    control.on_state(TeamState("anna", int(State.FINISHED), "finished, at home"), 0.0)
+    control.on_state(TeamState("bob", int(State.RETURNING), "sent home, drives home"), 0.0)
+    assert summary_of(control.members(0.0)) == "anna: finished, at home; bob: returning, sent home, drives home"
+
+
 def test_bad_orders_are_refused_in_words() -> None:
     field = Field("anna")
     assert not field.control.order("stop").done

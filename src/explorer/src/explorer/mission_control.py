@@ -154,7 +154,8 @@ def _words(member: Member) -> str:
         said = "has told nothing"
     else:
         known = member.state.state in set(State)
-        said = f"{State(member.state.state).name.lower() if known else 'unknown'}, {member.state.text}"
+        stage = State(member.state.state).name.lower() if known else "unknown"
+        said = member.state.text if member.state.text.startswith(stage) else f"{stage}, {member.state.text}"
     waits = "" if member.answered else f", has not answered to {member.order}"
     away = "" if member.in_reach else f", out of reach for {member.age:.0f} s" if member.age >= 0 else ", out of reach"
     return f"{said}{waits}{away}"
