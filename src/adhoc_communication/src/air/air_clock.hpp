@@ -88,7 +88,7 @@ class AirClock {
   void bound(const Transmission& transmission, Time longest);
 
   std::size_t largest_frame_;
-  AirRate common_;                       ///< of all frames, whatever their kind
+  AirRate common_;             ///< of all frames, whatever their kind
   AddressMap<AirRate> kinds_;  ///< those measured, wire::kEverybody among them
   SharedAir shared_;
   Time busy_until_{0};
