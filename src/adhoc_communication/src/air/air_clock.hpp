@@ -63,6 +63,8 @@ class AirClock {
   }
   /// Whether others send on the same channel.
   bool shared(Time now) const { return shared_.shared(now); }
+  /// Nothing says that they do.
+  bool alone(Time now) const { return !shared_.perhaps_shared(now); }
   /// False until the rhythm of the radio is known for frames that go there.
   bool calibrated(const MacAddress& destination) const;
 

@@ -25,6 +25,8 @@ class SharedAir {
     until_ = now + memory_;
   }
   bool shared(Time now) const { return now < until_; }
+  /// Remembered, or only just forgotten: it may well turn out to be so again.
+  bool perhaps_shared(Time now) const { return now < until_ + memory_; }
 
  private:
   int kept_ = 0;

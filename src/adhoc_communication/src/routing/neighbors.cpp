@@ -225,6 +225,22 @@ double Neighbors::delivery(const Neighbor& neighbor, wire::NeighborTag robot, Ti
   return found == nullptr ? 0.0 : 1.0 - found->loss;
 }
 
+bool Neighbors::bypassed(const MacAddress& from, wire::NeighborTag self, Time now) const {
+  const Neighbor* sender = find(from);
+  if (sender == nullptr) return false;
+  const auto reaches = [&](const Neighbor& other, wire::NeighborTag robot) {
+    return hears(other, robot, now) != nullptr;
+  };
+  return std::any_of(neighbors_.begin(), neighbors_.end(), [&](const auto& item) {
+    const auto& [address, other] = item;
+    if (address == from || !two_way(other, now)) return false;
+    if (reaches(other, wire::neighbor_tag(sender->boot))) return true;
+    return std::any_of(other.hears.begin(), other.hears.end(), [&](const auto& heard) {
+      return heard.first != self && reaches(other, heard.first) && reaches(*sender, heard.first);
+    });
+  });
+}
+
 std::vector<MacAddress> Neighbors::doubtful(Time now) const {
   std::vector<MacAddress> result;
   for (const auto& [address, neighbor] : neighbors_) {

@@ -80,6 +80,8 @@ class Neighbors {
   double delivery(const Neighbor& neighbor, wire::NeighborTag robot, Time now) const;
   /// Every neighbour whose link works both ways hears the robot itself, or is it.
   bool all_hear(const MacAddress& robot, wire::BootTag boot, Time now) const;
+  /// What `from` sends may reach one of the other neighbours over a robot other than `self`, or at once.
+  bool bypassed(const MacAddress& from, wire::NeighborTag self, Time now) const;
   /// Those that owe a sign of life for some of their beacons, and may only be out of luck.
   std::vector<MacAddress> doubtful(Time now) const;
   /// Removes and returns those silent for longer than `timeout`, and than they may be.

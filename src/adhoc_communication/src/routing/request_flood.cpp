@@ -55,6 +55,10 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
       ++i;
     } else if (!pending.broadcast_done && needless(pending.request, neighbors, now)) {
       pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
+    } else if (const auto receiver =
+                   pending.broadcast_done ? std::nullopt : only_receiver(pending.request, neighbors, now)) {
+      outbox_.unicast(*receiver, wire::FrameType::kRouteRequest, to_bytes(pending.request));
+      pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
     } else if (!pending.broadcast_done) {
       outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(pending.request), now);
       pending.broadcast_done = true;
@@ -102,6 +106,17 @@ bool RequestFlood::needless(const wire::RouteRequest& request, const Neighbors& 
   if (request.hop_count == 0 || seen == seen_.end() || seen->second.holders.size() < kFewestHolders) return false;
   if (load_.heavy(now)) return seen->second.holders.size() >= kEnoughHolders;
   return in_need(request, seen->second, neighbors, now).empty();
+}
+
+/// The one neighbour that needs the request from this robot, if broadcasts to it are lost now and then.
+std::optional<MacAddress> RequestFlood::only_receiver(const wire::RouteRequest& request, const Neighbors& neighbors,
+                                                      Time now) const {
+  const auto seen = seen_.find(key(request));
+  if (!hops_acknowledge_ || seen == seen_.end() || load_.heavy(now)) return std::nullopt;
+  const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
+  if (needy.size() != 1) return std::nullopt;
+  const double loss = std::max(neighbors.beacon_loss(needy.front()), neighbors.loss(needy.front()));
+  return loss > kTolerableMiss ? std::optional(needy.front()) : std::nullopt;
 }
 
 /// The neighbours that need a copy from this robot: they neither have the request nor can count on others who do.

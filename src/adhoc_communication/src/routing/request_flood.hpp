@@ -2,7 +2,8 @@
 //
 // A lost broadcast is the weak point of a flood. So whoever has broadcast a request listens; a neighbour that has not
 // been heard with it after kConfirm, and hardly hears others who have it, gets it once more as an acknowledged unicast,
-// unless it would not pass it on.
+// unless it would not pass it on. Where the broadcast would be for one neighbour alone, and that may miss it, it gets
+// such a unicast in place of it.
 // While requests come thick and fast nobody gets such copies, and of those who hear one from several the others are
 // silent: searches are repeated, and air that floods have taken is lost to all.
 // On a crowded channel requests wait until the radio has room, and so do others: whoever had to wait gives them more
@@ -11,6 +12,7 @@
 
 #include <boost/container/flat_set.hpp>
 #include <deque>
+#include <optional>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -40,8 +42,9 @@ class RequestFlood {
   static constexpr Time kPenalty = std::chrono::milliseconds(15);  ///< for each transmission more than a perfect hop
   static constexpr Time kLongestPenalty = std::chrono::milliseconds(20);
 
-  RequestFlood(const Timings& timings, Outbox& outbox, Random& random)
-      : timings_(timings), outbox_(outbox), random_(random) {}
+  /// `hops_acknowledge`: unicasts are repeated until they arrive.
+  RequestFlood(const Timings& timings, bool hops_acknowledge, Outbox& outbox, Random& random)
+      : timings_(timings), hops_acknowledge_(hops_acknowledge), outbox_(outbox), random_(random) {}
 
   /// Notes that `from` has the request. True when it is new to this robot.
   bool first_time(const wire::RouteRequest& request, const MacAddress& from, Time now);
@@ -85,6 +88,8 @@ class RequestFlood {
   void make_room(Time now);
   void confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
   bool needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const;
+  std::optional<MacAddress> only_receiver(const wire::RouteRequest& request, const Neighbors& neighbors,
+                                          Time now) const;
   using Holders = std::vector<wire::NeighborTag>;
   static bool ends_at(const wire::RouteRequest& request, const MacAddress& neighbor);
   static bool silent_with_it(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors, Time now);
@@ -97,6 +102,7 @@ class RequestFlood {
                                Time now);
 
   const Timings& timings_;
+  bool hops_acknowledge_;
   Outbox& outbox_;
   Random& random_;
   RequestLoad load_;

@@ -129,7 +129,11 @@ void Router::forward_request(wire::RouteRequest request, const MacAddress& from,
         request.unknown_sequence_number ? known->sequence : newest(request.destination_sequence, known->sequence);
     request.unknown_sequence_number = false;
   }
-  if (!request.directed) return flood_.forward(request, neighbors_.cost(from), now);
+  if (!request.directed) {
+    // The copy over clean links is to win the race, if there can be another one.
+    const bool race = neighbors_.bypassed(from, wire::neighbor_tag(self_.boot), now);
+    return flood_.forward(request, race ? neighbors_.cost(from) : kPerfectHop, now);
+  }
   // Where the way ends the originator hears nothing, and floods.
   const auto way = way_told(address_asked(request), now);
   if (way && *way != from) outbox_.unicast(*way, wire::FrameType::kRouteRequest, to_bytes(request));

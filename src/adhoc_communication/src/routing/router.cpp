@@ -17,7 +17,7 @@ Router::Router(const Identity& self, const EngineOptions& options, Neighbors& ne
       journal_(journal),
       routes_(options.timings),
       discovery_(options, random),
-      flood_(options.timings, outbox, random),
+      flood_(options.timings, options.num_link_retrans > 0, outbox, random),
       error_limit_(options.timings.error_rate_limit),
       hops_acknowledge_(options.num_link_retrans > 0),
       started_(now) {}

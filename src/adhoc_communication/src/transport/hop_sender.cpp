@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kOutcomesThatMatter = 32;
 constexpr int kFewestOutcomes = 8;
+constexpr double kAnswerMissing = 0.5;  ///< counts as so much of a loss: it may be the answer that was lost
 constexpr int kExpiriesPerDoubling = 4;
 constexpr std::size_t kManyUnresolved = 4;  ///< so that acknowledgments may be held back
 constexpr Time kOutcomesAge = std::chrono::seconds(10);
@@ -58,6 +59,7 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
                                         Time now) {
   ++flight.transmissions;
   flight.last_counter = counter;
+  latest_ = now;
   // The receiver may hold its acknowledgment back while further frames come.
   for (Transmission& earlier : unresolved_) {
     if (unresolved_.size() < kManyUnresolved) break;
@@ -79,20 +81,26 @@ Time HopSender::timer() const {
   return std::min(round_trip_.timeout() * (1 << std::min(expiries_ / kExpiriesPerDoubling, 6)), kLongestTimer);
 }
 
+void HopSender::ask(std::uint64_t counter, Time now) {
+  question_ = {counter, now};
+  unresolved_.back().asks = true;
+}
+
+/// Tells how long answers take, which one to a later frame does not.
+bool HopSender::answers_question(const Transmission& transmission) const {
+  if (eager_) return transmission.asks;
+  return question_ && question_->counter == transmission.counter;
+}
+
 /// A late acknowledgment counts, too: otherwise a timer that is too short would stay so.
 void HopSender::sample_round_trip(std::uint64_t counter, Time now) {
   for (const auto* sent : {&unresolved_, &late_}) {
     for (const Transmission& transmission : *sent) {
-      if (transmission.counter == counter) return round_trip_.sample(now - transmission.sent);
+      if (transmission.counter != counter) continue;
+      if (answers_question(transmission)) answer_.sample(now - transmission.sent);
+      return round_trip_.sample(now - transmission.sent);
     }
   }
-}
-
-/// An answer to a later frame tells nothing of how long one takes.
-void HopSender::answered(std::uint64_t newest_counter, Time now) {
-  if (!question_ || newest_counter < question_->counter) return;
-  if (newest_counter == question_->counter) answer_.sample(now - question_->asked);
-  question_.reset();
 }
 
 bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now, std::vector<Passed>* passed) {
@@ -113,18 +121,21 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
     }
   }
   sample_round_trip(acknowledgment.newest_counter, now);
-  answered(acknowledgment.newest_counter, now);
+  if (question_ && question_->counter <= acknowledgment.newest_counter) question_.reset();
   while (!unresolved_.empty() && unresolved_.front().counter <= acknowledgment.newest_counter) {
     const Transmission transmission = unresolved_.front();
     unresolved_.pop_front();
     const bool lost = in_flight_.count(transmission.link_sequence) != 0;
-    count_outcome(lost, now);
+    count_outcome(lost ? 1.0 : 0.0, now);
     if (lost) transmission_lost(transmission, false);
     progress = true;
   }
   while (!late_.empty() && late_.front().counter <= acknowledgment.newest_counter) late_.pop_front();
-  if (progress) last_progress_ = now;
-  if (progress) expiries_ = 0;
+  if (progress) {
+    last_progress_ = now;
+    expiries_ = 0;
+    overdue_ = 0;
+  }
   if (in_flight_.empty()) {
     waiting_since_.reset();
     unresolved_.clear();
@@ -135,23 +146,31 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
 void HopSender::excuse_silence(Time now) {
   silent_since_ = std::max(silent_since_, now);
   last_progress_ = std::max(last_progress_, now);
+  latest_ = std::max(latest_, now);
   for (Transmission& transmission : unresolved_) {
     transmission.expires = std::max(transmission.expires, now + kShortestTimer);
   }
 }
 
-/// Of the window that is full, so that nothing else could be sent meanwhile.
-Time HopSender::question_expires() const {
-  if (!question_ || unresolved_.empty() || has_lost() || may_start()) return Time::max();
-  return question_->asked + std::max(answer_.timeout(), patience_);
+/// Of the window that is full, so that nothing else could be sent meanwhile; or of the latest transmission, which the
+/// receiver acknowledges when no other one follows. Twice as late each time, until that is no sooner than the timer.
+Time HopSender::answer_overdue() const {
+  if (unresolved_.empty() || has_lost()) return Time::max();
+  if (window_full()) return question_->asked + std::max(answer_.timeout(), patience_);
+  const Time wait = answer_.timeout() * (1 << std::min(overdue_, 6));
+  if (!eager_ || wait >= timer()) return Time::max();
+  return latest_ + (unresolved_.back().asks ? Time(0) : HopReceiver::kQuiet) + wait;
 }
 
 /// It is the most likely one to be missing, and its repetition asks again.
-void HopSender::repeat_oldest() {
+void HopSender::repeat_oldest(Time now) {
+  const bool full = window_full();
   const Transmission transmission = unresolved_.front();
   unresolved_.pop_front();
   question_.reset();
   keep_late(transmission);
+  if (!full) count_outcome(kAnswerMissing, now);
+  ++overdue_;
   transmission_lost(transmission, false);
 }
 
@@ -161,7 +180,7 @@ void HopSender::keep_late(const Transmission& transmission) {
 }
 
 void HopSender::expire(Time now) {
-  if (question_expires() <= now) repeat_oldest();
+  if (answer_overdue() <= now) repeat_oldest(now);
   for (auto iterator = unresolved_.begin(); iterator != unresolved_.end();) {
     if (iterator->expires > now) {
       ++iterator;
@@ -171,7 +190,8 @@ void HopSender::expire(Time now) {
     iterator = unresolved_.erase(iterator);
     keep_late(transmission);
     ++expiries_;
-    count_outcome(true, now);
+    ++overdue_;
+    count_outcome(1.0, now);
     transmission_lost(transmission, true);
   }
   if (in_flight_.empty()) waiting_since_.reset();  // given up: nothing is outstanding any more
@@ -204,6 +224,7 @@ void HopSender::clear() {
   unresolved_.clear();
   late_.clear();
   expiries_ = 0;
+  overdue_ = 0;
   question_.reset();
   waiting_since_.reset();
 }
@@ -216,10 +237,10 @@ std::vector<HopFrame> HopSender::take_all() {
   return frames;
 }
 
-void HopSender::count_outcome(bool lost, Time now) {
+void HopSender::count_outcome(double lost, Time now) {
   outcomes_ = now - last_outcome_ < kOutcomesAge ? std::min(outcomes_ + 1, kOutcomesThatMatter) : 1;
   last_outcome_ = now;
-  loss_ += ((lost ? 1.0 : 0.0) - loss_) / outcomes_;
+  loss_ += (lost - loss_) / outcomes_;
 }
 
 std::optional<double> HopSender::loss(Time now) const {
@@ -228,7 +249,7 @@ std::optional<double> HopSender::loss(Time now) const {
 }
 
 Time HopSender::next_deadline() const {
-  Time next = std::min(dead_at(), question_expires());
+  Time next = std::min(dead_at(), answer_overdue());
   for (const Transmission& transmission : unresolved_) next = std::min(next, transmission.expires);
   return next;
 }

@@ -56,6 +56,8 @@ class HopSender {
 
   /// Timers run no shorter than that.
   void be_patient(Time patience) { patience_ = patience; }
+  /// Nobody else is known to send on the channel, so that an answer which is overdue is asked for soon.
+  void be_eager(bool eager) { eager_ = eager; }
 
   void enqueue(HopFrame frame) { waiting_[frame.priority].push(std::move(frame)); }
   std::size_t waiting() const;
@@ -78,10 +80,12 @@ class HopSender {
   bool may_resend() const { return unresolved_.size() < most_unresolved(); }
   bool may_start() const;
   std::size_t unresolved() const { return unresolved_.size(); }
-  /// Nothing more fits, or soon: an acknowledgment is wanted.
-  bool pressing() const { return unresolved_.size() > most_unresolved() * 3 / 4 || !may_start(); }
+  /// Nothing more fits, or soon, or an answer is overdue: an acknowledgment is wanted.
+  bool pressing() const {
+    return unresolved_.size() > most_unresolved() * 3 / 4 || !may_start() || (eager_ && overdue_ > 0);
+  }
   /// The latest transmission asks for an acknowledgment at once.
-  void ask(std::uint64_t counter, Time now) { question_ = {counter, now}; }
+  void ask(std::uint64_t counter, Time now);
 
   /// The lost frame to repeat next; has_resend() and may_resend() hold.
   Outgoing resend(std::uint8_t priority, std::uint64_t counter, Time now);
@@ -122,7 +126,8 @@ class HopSender {
     std::uint32_t link_sequence;
     Time sent;
     Time expires;
-    Time latest;  ///< to which frames that follow may put off the expiry
+    Time latest;        ///< to which frames that follow may put off the expiry
+    bool asks = false;  ///< for an acknowledgment at once
   };
   struct Question {
     std::uint64_t counter;
@@ -131,13 +136,14 @@ class HopSender {
 
   Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
   void transmission_lost(const Transmission& transmission, bool by_timer);
-  void count_outcome(bool lost, Time now);
+  void count_outcome(double lost, Time now);
   Time timer() const;
   bool has_lost() const;
-  Time question_expires() const;
-  void repeat_oldest();
+  bool answers_question(const Transmission& transmission) const;
+  bool window_full() const { return question_ && !may_start(); }
+  Time answer_overdue() const;
+  void repeat_oldest(Time now);
   void keep_late(const Transmission& transmission);
-  void answered(std::uint64_t newest_counter, Time now);
   std::size_t most_unresolved() const;
   void sample_round_trip(std::uint64_t counter, Time now);
   Time dead_at() const;
@@ -151,6 +157,9 @@ class HopSender {
   std::deque<Transmission> unresolved_;
   std::deque<Transmission> late_;
   int expiries_ = 0;  ///< of timers since the last acknowledgment
+  int overdue_ = 0;   ///< answers that were missed since then, timers included
+  bool eager_ = false;
+  Time latest_{0};  ///< when the latest transmission went out
   RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
   std::optional<Question> question_;  ///< that is not answered
   RoundTrip answer_{std::chrono::milliseconds(20), kShortestWait, kLongestTimer};

@@ -217,11 +217,13 @@ void Hops::start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now)
   put_on_air(neighbor, hop, hop.sender.start(std::move(frame), counter, now), counter, now);
 }
 
-/// Frames that measure the air, and the one that fills the window.
-bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop) {
+/// Frames that measure the air, the one that fills the window, and those that hardly ever are followed by others: what
+/// they are part of waits for each.
+bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop, FrameType type, Time now) {
   const bool calibrated = air_.calibrated(neighbor);
   hop.pair = (hop.pair + 1) % (calibrated ? air::AirClock::kPairInterval : 2);
-  return !calibrated || hop.sender.pressing() || hop.pair == 1;
+  const bool single = type != FrameType::kData && type != FrameType::kTransportAcknowledgment;
+  return !calibrated || hop.sender.pressing() || hop.pair == 1 || (single && air_.alone(now));
 }
 
 bool Hops::needs_turn(const HopSender::Outgoing& outgoing) {
@@ -236,9 +238,11 @@ bool Hops::ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outg
 
 void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
                       Time now) {
-  hop.sender.be_patient(air_.shared(now) ? turns_.patience(neighbor) : Time(0));
-  const bool at_once = air_.shared(now) && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
-                                                                : wants_answer(neighbor, hop);
+  const bool shared = air_.shared(now);
+  hop.sender.be_patient(shared ? turns_.patience(neighbor) : Time(0));
+  hop.sender.be_eager(air_.alone(now));
+  const bool at_once = shared && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
+                                                      : wants_answer(neighbor, hop, outgoing.type, now);
   if (at_once) hop.sender.ask(counter, now);
   const auto flags = static_cast<std::uint8_t>(wire::kWantsAcknowledgment | (at_once ? wire::kAcknowledgeNow : 0));
   if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);

@@ -81,7 +81,7 @@ class Hops : public Outbox {
   Time acknowledgment_due(const MacAddress& neighbor, const HopReceiver& receiver) const;
   bool air_allows(const MacAddress& neighbor, const Hop& hop, std::uint8_t priority, Time now) const;
   bool is_turn(const MacAddress& neighbor, std::uint8_t priority, Time now) const;
-  bool wants_answer(const MacAddress& neighbor, Hop& hop);
+  bool wants_answer(const MacAddress& neighbor, Hop& hop, wire::FrameType type, Time now);
   static bool needs_turn(const HopSender::Outgoing& outgoing);
   bool ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
                  Time now);

@@ -66,7 +66,7 @@ TEST(Bounds, A5_2_RequestsAreRememberedLongerThanCopiesAreUnderWay) {
   } nowhere;
   const Timings timings = robot_timings();
   Random random(1);
-  routing::RequestFlood flood(timings, nowhere, random);
+  routing::RequestFlood flood(timings, true, nowhere, random);
   EXPECT_TRUE(flood.first_time(request_of(make_host(1), "nobody", 7), make_host(2).address, 1s));
   EXPECT_FALSE(flood.first_time(request_of(make_host(1), "nobody", 7), make_host(3).address, 10s));
   EXPECT_TRUE(flood.first_time(request_of(make_host(1), "nobody", 7), make_host(3).address, 12s));

@@ -226,6 +226,108 @@ TEST(HopSender, AFullWindowAsksAgainAsSoonAsTheAnswerIsOverdue) {
   EXPECT_FALSE(sender.has_resend(0)) << "one at a time";
 }
 
+/// A sender of single frames that knows that answers take 1 ms.
+class EagerSender : public testing::Test {
+ protected:
+  EagerSender() {
+    sender.be_eager(true);
+    for (int i = 0; i < 30; ++i, now += 5ms) {
+      start();
+      sender.acknowledged({0, counter, 0, 0, static_cast<std::uint32_t>(counter), ~std::uint64_t{0}}, now + 1ms);
+    }
+    sender.heard(now);
+  }
+  void start(bool asks = true) {
+    sender.start({wire::FrameType::kRouteReply, text("x"), 0}, ++counter, now);
+    if (asks) sender.ask(counter, now);
+  }
+  /// Until the next repetition, which asks.
+  Time wait() {
+    const Time begin = now;
+    now = sender.next_deadline();
+    sender.expire(now);
+    if (!sender.has_resend(0)) return Time::max();
+    sender.resend(0, ++counter, now);
+    sender.ask(counter, now);
+    return now - begin;
+  }
+
+  HopSender sender{1, 10};
+  std::uint64_t counter = 0;
+  Time now{0};
+};
+
+/// What goes over many hops waited for a timer of 10 ms and more at each that lost it.
+TEST_F(EagerSender, AsksAgainAsSoonAsTheAnswerToASingleFrameIsOverdue) {
+  start();
+  EXPECT_FALSE(sender.pressing());
+  EXPECT_EQ(wait(), HopSender::kShortestWait);
+  EXPECT_TRUE(sender.pressing()) << "what follows asks, too";
+  EXPECT_EQ(wait(), 2 * HopSender::kShortestWait);
+  EXPECT_EQ(wait(), 4 * HopSender::kShortestWait);
+  EXPECT_GE(wait(), HopSender::kShortestTimer) << "from then on the timer decides";
+}
+
+TEST_F(EagerSender, CountsOnTheQuietOfTheReceiver) {
+  start(false);
+  EXPECT_EQ(wait(), HopReceiver::kQuiet + HopSender::kShortestWait);
+}
+
+TEST_F(EagerSender, LeavesASharedChannelAlone) {
+  sender.be_eager(false);
+  start();
+  EXPECT_EQ(wait(), HopSender::kShortestTimer);
+  EXPECT_FALSE(sender.pressing());
+}
+
+/// All ten repetitions would be over sooner, and the link would seem to have nothing outstanding.
+TEST_F(EagerSender, StillFindsALinkDead) {
+  const Time begin = now;
+  start();
+  while (!sender.dead(now)) wait();
+  EXPECT_EQ(sender.given_up(), 0u);
+  EXPECT_EQ(now - begin, HopSender::kSilence);
+}
+
+TEST_F(EagerSender, LearnsFromLateAnswersThatTheyTakeLonger) {
+  for (int i = 0; i < 30; ++i, now += 50ms) {
+    start();
+    const std::uint64_t first = counter;
+    const Time sent = now;
+    wait();
+    sender.acknowledged({0, first, 0, 0, static_cast<std::uint32_t>(counter), ~std::uint64_t{0}}, sent + 4ms);
+    const auto newest = static_cast<std::uint32_t>(counter);
+    sender.acknowledged({0, counter, 0, 0, newest, ~std::uint64_t{0}}, now + 4ms);
+  }
+  start();
+  EXPECT_GE(wait(), 4ms);
+}
+
+/// It may be the frame or the answer that was lost.
+TEST_F(EagerSender, AMissingAnswerIsHalfALoss) {
+  start();
+  wait();
+  sender.acknowledged({0, counter, 0, 0, 31, ~std::uint64_t{0}}, now + 1ms);
+  EXPECT_NEAR(*sender.loss(now), 0.5 / 32, 0.002);
+}
+
+/// The first message in a team that hardly knows itself, in the slowest of ten.
+TEST(Goodput, TheFirstMessageOverManyLossyHopsIsNotKeptWaiting) {
+  MediumOptions medium;
+  medium.loss = 0.3;
+  Time slowest{0};
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Team team(medium, seed);
+    team.add_line(11);
+    team.run_for(1s);
+    const Time begin = team.now();
+    team.send(0, Team::name(10), text("x"));
+    ASSERT_TRUE(team.run_until_done([&] { return !team.received(10).empty(); }, 10s));
+    slowest = std::max(slowest, team.now() - begin);
+  }
+  EXPECT_LE(slowest, 150ms);
+}
+
 /// On a shared channel: learned while another robot was sending, too, and then that one falls silent.
 TEST(AirClock, FramesThatArriveSoonerThanBelievedCorrectTheEstimate) {
   AirClock clock(1500);

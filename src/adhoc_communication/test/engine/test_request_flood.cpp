@@ -32,15 +32,16 @@ class RequestCopies : public testing::Test, public Outbox {
   }
 
   /// From `source`, of one who is not in range, with so many hops to go behind this robot.
-  void pass_on(std::uint8_t hop_limit, const MacAddress& destination, const Host& source) {
+  void pass_on(std::uint8_t hop_limit, const MacAddress& destination, const Host& source, int expected = 1) {
     wire::RouteRequest request = request_for({}, make_host(50), 1);
     request.destination = destination;
     request.hop_count = 1;
     request.hop_limit = hop_limit;
+    routing::RequestFlood flood(timings, hops_acknowledge, *this, random);
     ASSERT_TRUE(flood.first_time(request, source.address, 1s));
     flood.forward(request, routing::kPerfectHop, 1s);
     for (Time now = 1s; now < 1100ms; now += 1ms) flood.poll(neighbors, now);
-    ASSERT_EQ(broadcasts, 1);
+    ASSERT_EQ(broadcasts, expected);
   }
 
   static wire::BootTag boot_of(const Host& host) { return wire::boot_tag(host.boot_id); }
@@ -50,7 +51,7 @@ class RequestCopies : public testing::Test, public Outbox {
   const Timings timings = robot_timings();
   Random random{1};
   routing::Neighbors neighbors{timings, 250ms};
-  routing::RequestFlood flood{timings, *this, random};
+  bool hops_acknowledge = true;
   int broadcasts = 0;
   std::set<MacAddress> copies;
 };
@@ -91,10 +92,61 @@ TEST_F(RequestCopies, AtTheLastHopForTheDestinationOnly) {
 TEST_F(RequestCopies, AtTheLastHopForAllWhenAskedForByName) {
   const Host source = make_host(1);
   const Host silent = make_host(2);
+  const Host another = make_host(3);
   meet(source, 0.0);
   meet(silent, 0.2);
+  meet(another, 0.2);
   pass_on(1, {}, source);
-  EXPECT_EQ(copies, std::set{silent.address});
+  EXPECT_EQ(copies, (std::set{silent.address, another.address}));
+}
+
+/// Who has it from nobody else waited 25 to 35 ms at each hop that lost the broadcast.
+TEST_F(RequestCopies, InPlaceOfABroadcastForOneThatMayMissIt) {
+  const Host source = make_host(1);
+  const Host next = make_host(2);
+  meet(source, 0.0);
+  meet(next, 0.2);
+  pass_on(5, far_away, source, 0);
+  EXPECT_EQ(copies, std::set{next.address});
+}
+
+TEST_F(RequestCopies, WhereHopsDoNotAcknowledgeABroadcastAndACopyAreTwoChances) {
+  hops_acknowledge = false;
+  const Host source = make_host(1);
+  const Host next = make_host(2);
+  meet(source, 0.0);
+  meet(next, 0.2);
+  pass_on(5, far_away, source, 1);
+  EXPECT_EQ(copies, std::set{next.address});
+}
+
+TEST_F(RequestCopies, ABroadcastThatIsHardlyLostIsForOneAsWell) {
+  const Host source = make_host(1);
+  meet(source, 0.0);
+  meet(make_host(2), 0.05);
+  pass_on(5, far_away, source, 1);
+}
+
+/// Requests are kept waiting for those over better links only where there can be others.
+TEST_F(RequestCopies, KnowsWhetherThereIsAnotherWay) {
+  const Host source = make_host(1);
+  const Host next = make_host(2);
+  const Host third = make_host(3);
+  const auto bypassed = [&] { return neighbors.bypassed(source.address, wire::neighbor_tag(kSelf), 1s); };
+  meet(source, 0.3);
+  meet(next, 0.3);
+  EXPECT_FALSE(bypassed());
+  meet(next, 0.3, 0.3, third);
+  EXPECT_FALSE(bypassed()) << "a third robot, which the source does not hear";
+  meet(source, 0.3, 0.3, third);
+  EXPECT_TRUE(bypassed()) << "by way of the third robot";
+}
+
+TEST_F(RequestCopies, ANeighbourThatHearsTheSenderItselfIsAnotherWay) {
+  const Host source = make_host(1);
+  meet(source, 0.3);
+  meet(make_host(2), 0.3, 0.3, source);
+  EXPECT_TRUE(neighbors.bypassed(source.address, wire::neighbor_tag(kSelf), 1s));
 }
 
 }  // namespace

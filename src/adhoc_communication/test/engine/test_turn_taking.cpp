@@ -128,6 +128,17 @@ TEST(SharedAir, IsRememberedLongerEachTime) {
 }
 
 /// On a busy computer frames come late, and a device may once in a while be late to say that it has sent them.
+/// Haste on a channel that turns out to be shared again would cost those who wait for it.
+TEST(SharedAir, IsDoubtfulForAsLongAgain) {
+  air::SharedAir air;
+  EXPECT_FALSE(air.perhaps_shared(0s));
+  for (int i = 0; i < air::SharedAir::kKept; ++i) air.measured(true, true, 1s);
+  const Time over = 1s + air::SharedAir::kShortestMemory;
+  EXPECT_FALSE(air.shared(over));
+  EXPECT_TRUE(air.perhaps_shared(over));
+  EXPECT_FALSE(air.perhaps_shared(over + air::SharedAir::kShortestMemory));
+}
+
 TEST(SharedAir, WhatTheDeviceSendsAtOnceWaitsForNobody) {
   air::SharedAir air;
   for (int i = 0; i < 100; ++i) air.measured(true, i % air::SharedAir::kKept != 0, 1s);
