@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""SLAM is started anew behind a relay, which hides that its map has another publisher: tf tells."""
+"""SLAM begins a new map behind a relay, which hides that the map has another publisher: tf tells."""
 
 import os
 import subprocess
@@ -29,6 +29,7 @@ local = rospy.Publisher("slam_map", OccupancyGrid, queue_size=2, latch=True)
 transform = TransformStamped(child_frame_id="odom")
 transform.header.frame_id = "map"
 transform.transform.rotation.w = 1.0
+transform.transform.translation.x = float(sys.argv[2])
 while not rospy.is_shutdown():
     transform.header.stamp = rospy.Time.now()
     broadcaster.sendTransform(transform)
@@ -71,15 +72,16 @@ class RelayTest(unittest.TestCase):
         cls.timer = rospy.Timer(rospy.Duration(0.1), tell)
 
     @staticmethod
-    def start_slam():
-        return subprocess.Popen([sys.executable, "-c", SLAM, os.path.dirname(os.path.abspath(__file__))])
+    def start_slam(odometry=0.0):
+        """`odometry`: m, where its frame lies in that of the map."""
+        return subprocess.Popen([sys.executable, "-c", SLAM, os.path.dirname(os.path.abspath(__file__)), str(odometry)])
 
     def test_the_run_is_another_one(self):
         former = self.adhoc.wait_for_anchor(lambda anchor: anchor.updates > 0)
         self.wait(lambda: rospy.get_param("/map_merger_run", {}).get("teller"), "tf did not say who SLAM is")
         self.slam.kill()
         self.slam.wait()
-        type(self).slam = self.start_slam()
+        type(self).slam = self.start_slam(odometry=-1.0)
         other = self.adhoc.wait_for_anchor(lambda anchor: anchor.boot != former.boot)
         self.assertLess(other.updates, SKIPPED)
         self.wait(lambda: {former.boot, other.boot} <= self.runs(), "the global map did not name its run")
