@@ -4,7 +4,6 @@
 // is told to the others when it has come to its end.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <set>
 #include <string>
