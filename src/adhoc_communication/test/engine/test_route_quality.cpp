@@ -206,9 +206,10 @@ TEST(RouteExchange, WithoutAWayRoundItIsAskedAFewTimesAtMost) {
 TEST(RouteExchange, EndsWithoutAWordAndGivesWayToASearchAndARepair) {
   const auto untold = [](const routing::Target&) { return std::uint8_t{0}; };
   const MacAddress far = Team::address(7);
+  const EngineOptions options;
   for (const char* then : {"nothing", "search", "repair"}) {
     Random random(1);
-    routing::RouteDiscovery discovery(EngineOptions(), random);
+    routing::RouteDiscovery discovery(options, random);
     ASSERT_TRUE(discovery.exchange(far, 5, 3, 0s));
     EXPECT_FALSE(discovery.exchange(far, 5, 3, 0s)) << "once at a time";
     const auto steps = discovery.poll(untold, 0s);
