@@ -2,6 +2,7 @@
 
 import errno
 import os
+import struct
 from pathlib import Path
 from typing import Any, Callable, Dict, List
 
@@ -120,6 +121,18 @@ def test_the_end_of_a_node_that_was_told_to_end_leaves_no_map(master: Master, tm
     again = Node()
     again.drive(range(5))
     assert "a new map begins" in master.said[0] and again.slam.revision < 6
+
+
+def test_a_map_that_makes_no_sense_is_told_and_another_one_begins(master: Master) -> None:
+    first = Node()
+    first.drive(range(30))
+    there = struct.pack("<6d", 0.0, 0.0, 0.0, 5000.0, 5000.0, 0.0)
+    first.keeper._journal.add(b"P" + struct.pack("<I", len(there)) + there)
+    again = Node()
+    again.drive(range(30))
+    assert len(master.said) == 1 and "cannot be read" in master.said[0] and "too many cells" in master.said[0]
+    assert again.pose() == pytest.approx(Pose(0.05 * 29, 0.0, 0.0), abs=0.02)
+    assert again.keeper._journal.path != first.keeper._journal.path
 
 
 def test_without_the_parameter_nothing_is_kept(master: Master, tmp_path: Path) -> None:

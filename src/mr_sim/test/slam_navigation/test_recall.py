@@ -1,16 +1,18 @@
 """SLAM that is started anew goes on with the map that was written down."""
 
 import math
+import struct
 from typing import Callable, Tuple
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from test_slam import follow
 from test_slam_evaluation import Recorder, processed
 
 from mr_grid import Pose
-from mr_robot.slam.engine import LaserScan, Slam
+from mr_robot.slam.engine import LaserScan, Slam, SlamError
 from mr_sim.scan_log import with_random_walk
 
 
@@ -54,6 +56,18 @@ def test_what_was_not_written_whole_is_left_out(cut: int, broken: int, octet: in
     used = slam.recall(bytes(torn), state)
     assert used <= len(torn) and (used > 0) == (slam.revision > 0)
     assert slam.recall(written, state[:-1]) == 0, "a state of another size"
+
+
+def test_places_that_no_map_holds_begin_a_new_one() -> None:
+    """5 km away: each pose is sound by itself."""
+    written, state = ROOM
+    there = struct.pack("<6d", 0.0, 0.0, 0.0, 5000.0, 5000.0, 0.0)
+    poses = b"P" + struct.pack("<I", len(there)) + there
+    slam = Slam()
+    with pytest.raises(SlamError, match="too many cells"):
+        slam.recall(written + poses, state)
+    in_a_room(slam, 40)
+    assert slam.revision > 0 and slam.pose_at(Pose(1.95, 0.0, 0.0)) == pytest.approx(Pose(1.95, 0.0, 0.0), abs=0.05)
 
 
 def in_a_room(slam: Slam, steps: int) -> None:

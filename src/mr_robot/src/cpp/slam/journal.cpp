@@ -1,5 +1,6 @@
 #include "journal.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -70,7 +71,18 @@ class Reader {
   bool whole_ = true;
 };
 
-bool finite(const Pose& pose) { return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw); }
+constexpr double kFarthest = 1e4;   // m that a robot is from where its map begins
+constexpr double kLongRange = 1e3;  // m that a laser sees
+
+bool sound(const Pose& pose) {
+  return std::abs(pose.x) < kFarthest && std::abs(pose.y) < kFarthest && std::isfinite(pose.yaw);
+}
+
+bool sound(const LaserGeometry& geometry) {
+  return std::isfinite(geometry.angle_min) && std::isfinite(geometry.angle_increment) &&
+         std::isfinite(geometry.range_min) && geometry.range_max > 0.0 && geometry.range_max < kLongRange &&
+         sound(geometry.mount) && sound(geometry.swept);
+}
 
 std::optional<JournalEntry> scan_of(Reader* reader) {
   JournalScan scan{};
@@ -80,7 +92,8 @@ std::optional<JournalEntry> scan_of(Reader* reader) {
   scan.way = reader->get<Way>();
   scan.geometry = reader->get<LaserGeometry>();
   scan.ranges = reader->rest<float>();
-  const bool good = finite(scan.pose) && finite(scan.odometry) && !scan.ranges.empty();
+  const bool good = sound(scan.pose) && sound(scan.odometry) && sound(scan.geometry) && !scan.ranges.empty() &&
+                    std::isfinite(scan.way.distance) && std::isfinite(scan.way.turn);
   return good ? std::optional<JournalEntry>(std::move(scan)) : std::nullopt;
 }
 
@@ -90,14 +103,15 @@ std::optional<JournalEntry> link_of(Reader* reader) {
   link.to = reader->get<std::uint32_t>();
   link.relative = reader->get<Pose>();
   reader->get(link.information.data(), 9);
-  const bool good = finite(link.relative) && link.information.allFinite();
+  const bool good =
+      sound(link.relative) && link.information.allFinite() && link.information.llt().info() == Eigen::Success;
   return good ? std::optional<JournalEntry>(link) : std::nullopt;
 }
 
 std::optional<JournalEntry> poses_of(Reader* reader) {
   JournalPoses poses{reader->rest<Pose>()};
   for (const Pose& pose : poses.poses) {
-    if (!finite(pose)) return std::nullopt;
+    if (!sound(pose)) return std::nullopt;
   }
   return poses;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <stdexcept>
 
 namespace mr_robot::slam {
 namespace {
@@ -20,6 +21,7 @@ constexpr double kLeastWindow = 0.3;        // m
 constexpr double kSameLoop = 0.15;          // m within which two keyframes say the same
 constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
 constexpr double kTurned = 0.005;           // rad
+constexpr double kMostCells = 64e6;         // of a map that is recalled
 constexpr std::size_t kMostScans = 20'000;  // beyond, the map stays as it is
 constexpr double kDrawnAtOnce = 60'000.0;   // m of beams that are drawn anew with each scan that comes, and
 constexpr int kScansAtOnce = 100;           // scans
@@ -133,6 +135,15 @@ void Memory::recall(std::vector<JournalEntry> entries, GridMap* map, const Odome
 }
 
 void Memory::draw(GridMap* map) const {
+  Pose low, high;
+  for (const Keyframe& keyframe : keyframes_) {
+    const double reach = keyframe.hits.reach();
+    low = {std::min(low.x, keyframe.drawn.x - reach), std::min(low.y, keyframe.drawn.y - reach), 0.0};
+    high = {std::max(high.x, keyframe.drawn.x + reach), std::max(high.y, keyframe.drawn.y + reach), 0.0};
+  }
+  if ((high.x - low.x) * (high.y - low.y) > kMostCells * grid_.resolution * grid_.resolution) {
+    throw std::length_error("the map would have too many cells");
+  }
   for (const Keyframe& keyframe : keyframes_) map->cover(keyframe.drawn, keyframe.hits.reach());
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     for (const Kept& kept : keyframes_[i].scans) {

@@ -21,7 +21,8 @@ class Memory {
   // `journal`: where what is to be recalled is written; it outlives this.
   Memory(const GridOptions& grid, const ScanOptions& options, Journal* journal);
 
-  // Becomes what it was when that was written, and draws the map. Only before anything has been added.
+  // Becomes what it was when that was written, and draws the map. Only before anything has been added. Throws
+  // std::length_error where that would be larger than any map.
   void recall(std::vector<JournalEntry> entries, GridMap* map, const OdometryModel& model);
   bool empty() const { return keyframes_.empty(); }
 

@@ -124,11 +124,14 @@ class OdometryHistory:
 class Slam:
     def __init__(self, options: Optional[SlamOptions] = None) -> None:
         self.options = options or SlamOptions()
-        core = _slam.SlamOptions()
-        for field in fields(self.options):
-            setattr(core, field.name, getattr(self.options, field.name))
-        self._core = _slam.Slam(core)
+        self._core = self._new_core()
         self.revision = 0  # counts changes of the map
+
+    def _new_core(self) -> _slam.Slam:
+        options = _slam.SlamOptions()
+        for field in fields(self.options):
+            setattr(options, field.name, getattr(self.options, field.name))
+        return _slam.Slam(options)
 
     def process(self, scan: LaserScan, odometry: Pose, time: float) -> SlamUpdate:
         """`odometry`: robot in the odometry frame at the first beam. `time`: s, of that; only differences
@@ -180,8 +183,13 @@ class Slam:
 
     def recall(self, journal: bytes, state: bytes) -> int:
         """Goes on with a map of before, in its frame, if all of that can be read. Only before the first scan. Returns
-        how much of the journal can be read; 0: none, and the map begins anew."""
-        used = self._core.recall(journal, state)
+        how much of the journal can be read; 0: none, and the map begins anew. SlamError: likewise, for it makes no
+        sense."""
+        try:
+            used = self._core.recall(journal, state)
+        except (MemoryError, ValueError) as error:
+            self._core = self._new_core()
+            raise SlamError(f"what was kept of the map cannot be drawn: {error}") from error
         self.revision += used > 0
         return used
 

@@ -8,7 +8,7 @@ from typing import Callable, Optional
 import rospkg
 import rospy
 
-from mr_robot.slam.engine import OdometryHistory, Slam
+from mr_robot.slam.engine import OdometryHistory, Slam, SlamError
 from mr_robot.slam.journal import JournalError, MapJournal
 
 PARAMETER = "~memory"
@@ -65,14 +65,19 @@ class MapKeeper:
         return BEGUN.pack(begun.secs, begun.nsecs) + self._slam.state()
 
     def _recall(self, former: str, odometry: OdometryHistory) -> None:
-        since = time.monotonic()
+        since, told = time.monotonic(), "a new map begins: that of before cannot be read"
         try:
             journal = MapJournal.open(Path(former), len(self._state()))
+        except (JournalError, OSError) as error:
+            rospy.logwarn(f"{told}: {error}")
+            return
+        try:
             kept = journal.read()
             used = self._slam.recall(kept.entries, kept.state[BEGUN.size :])
             journal.keep_only(used)
-        except (JournalError, OSError) as error:
-            rospy.logwarn(f"a new map begins: that of before cannot be read: {error}")
+        except (SlamError, OSError) as error:
+            rospy.logwarn(f"{told}: {error}")
+            journal.close()
             return
         if not used:
             rospy.loginfo("a new map begins: there was none before")
