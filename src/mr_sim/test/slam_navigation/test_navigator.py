@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
+from mr_robot.navigation import engine
 from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.command import GivenUp
@@ -18,12 +19,12 @@ from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.manoeuvre import Manoeuvre
 from mr_robot.navigation.motion import STOP, Motion, bare, outside
 from mr_robot.navigation.obstacles import ObstacleMemory
-from mr_robot.navigation.options import AT_REST, NavigationError, NavigationOptions, Scan, make_scan
-from mr_robot.navigation.planner import CostMap, path, plan
+from mr_robot.navigation.options import AT_REST, STANDING, NavigationError, NavigationOptions, Scan, make_scan
+from mr_robot.navigation.planner import CostMap, Plan, path, plan
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Hazards, Surroundings
-from mr_robot.navigation.yielding import HeldUp, find_retreat
+from mr_robot.navigation.yielding import HeldUp, Retreat, find_retreat
 from mr_sim.closed_loop import ClosedLoop, Robot
 
 EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
@@ -953,3 +954,45 @@ def test_a_retreat_leads_out_of_a_long_narrow_corridor() -> None:
     costs = CostMap(OccupancyGrid.of(cells, 0.05), NavigationOptions())
     retreat = find_retreat(costs, np.empty((0, 2)), Pose(5.5, 1.52, math.pi), (6.4, 1.52))
     assert retreat is not None and retreat.goal[0] < 1.9
+
+
+def test_a_robot_that_cannot_get_to_where_it_gives_way_looks_for_another_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For twenty seconds it wanted to a place behind the very robot that waited for it."""
+    asked: List[float] = []
+    now = 0.0
+
+    def found(costs: CostMap, obstacles: np.ndarray, pose: Pose, blocker: Tuple[float, float]) -> Optional[Plan]:
+        asked.append(now)
+        return plan(costs, obstacles, pose, (0.8, 2.0), 0.3)
+
+    monkeypatch.setattr(engine, "find_retreat", found)
+    navigator, pose = Navigator(name="robot_1"), Pose(2.0, 2.0, 0.0)
+    for set_map in (navigator.set_map, lambda grid: navigator.set_own_map(grid, 0.0)):
+        set_map(room())
+    navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
+    readings = np.full(541, np.inf)
+    readings[240:301] = 0.5  # a robot that stays before this one
+    seen = make_scan(readings, -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
+    for step in range(100):
+        now = step * 0.1
+        navigator.set_others({"robot_0": (2.8, 2.0)}, now)
+        navigator.step(now, pose, seen)  # and does not get away
+    assert len(asked) >= 3 and min(np.diff(asked)) >= STANDING
+
+
+def test_a_retreat_leads_on_while_the_robot_comes_nearer_or_gains_room() -> None:
+    costs = CostMap(room(), NavigationOptions())
+    way = plan(costs, np.empty((0, 2)), Pose(3.0, 2.0, 0.0), (1.0, 2.0), 0.3)
+    assert way is not None
+    retreat = Retreat(way, 0.0)
+    for now, x, gained_room, leads_on in [
+        (0.1, 3.0, False, True),
+        (2.0, 2.5, False, True),
+        (4.4, 2.5, False, True),
+        (4.6, 2.5, False, False),
+        (4.7, 2.9, True, True),
+        (7.0, 2.9, False, True),
+        (7.3, 2.6, False, False),
+    ]:
+        retreat.advance(now, Pose(x, 2.0, 0.0), gained_room)
+        assert retreat.leads_on(now) == leads_on, now

@@ -23,7 +23,7 @@ from mr_robot.navigation.planner import CostMap, Plan, path
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Hazards, Surroundings
-from mr_robot.navigation.yielding import HeldUp, Point, find_retreat
+from mr_robot.navigation.yielding import HeldUp, Point, Retreat, find_retreat
 
 CREEPING = PROGRESS / STANDING  # m/s
 
@@ -54,7 +54,7 @@ class Navigator:
         self._stall = StallWatch(self.options.controller_period)
         self._clock = Clock()
         self._mode_until = 0.0
-        self._retreat: Optional[Plan] = None
+        self._retreat: Optional[Retreat] = None
         self._gives_way_since: Optional[float] = None
         self._moved_at = 0.0  # when it last drove, other than turning
         self._complete_at = -math.inf  # when map, pose and scan were last there
@@ -162,7 +162,7 @@ class Navigator:
 
     def _act(self, now: float, pose: Pose, costs: CostMap, hazards: Hazards) -> Command:
         if self.mode is Mode.GIVE_WAY:
-            return self._give_way(now, pose, hazards)
+            return self._give_way(now, pose, costs, hazards)
         if self.mode is Mode.WAIT and (now < self._mode_until or self._lets_pass(now, pose)):
             return self._brake()
         if self.mode is Mode.WAIT:
@@ -222,27 +222,34 @@ class Navigator:
         return self._surroundings.blocker(pose, self._route.closed)
 
     def _begin_to_give_way(self, now: float, pose: Pose, costs: CostMap) -> Command:
-        blocker = self._blocker(pose)
         self._held_up.clear()
-        self._retreat = None
-        if blocker is not None:
-            self._retreat = find_retreat(costs, self._surroundings.moving_points(pose), pose, blocker)
         self.mode = Mode.GIVE_WAY
         self._held_up.gave_way(now)
-        self._follower.drop_manoeuvre()
         self._gives_way_since = now
         self._mode_until = now + self.options.blocked_timeout
+        return self._retreat_anew(now, pose, costs)
+
+    def _retreat_anew(self, now: float, pose: Pose, costs: CostMap) -> Command:
+        blocker = self._blocker(pose)
+        way = None
+        if blocker is not None:
+            way = find_retreat(costs, self._surroundings.moving_points(pose), pose, blocker)
+        self._retreat = None if way is None else Retreat(way, now)
+        self._follower.drop_manoeuvre()
         return self._brake()
 
-    def _give_way(self, now: float, pose: Pose, hazards: Hazards) -> Command:
+    def _give_way(self, now: float, pose: Pose, costs: CostMap, hazards: Hazards) -> Command:
         retreat = self._retreat
         near = self.options.xy_goal_tolerance
-        if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.goal) < near:
+        if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.way.goal) < near:
             self.mode = Mode.WAIT
             self._follower.drop_manoeuvre()
             self._mode_until = now + self._held_up.draw()
             return self._brake()
-        velocity = self._follow(now, retreat, pose, hazards, now - self._moved_at > self.options.yield_patience)
+        if not retreat.leads_on(now):
+            return self._retreat_anew(now, pose, costs)
+        velocity = self._follow(now, retreat.way, pose, hazards, now - self._moved_at > self.options.yield_patience)
+        retreat.advance(now, pose, self._follower.gained_room)
         return self._brake() if velocity is None else Command(*velocity, Status.ACTIVE)
 
     def _lets_pass(self, now: float, pose: Pose) -> bool:

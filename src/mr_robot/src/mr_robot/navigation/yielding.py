@@ -12,7 +12,7 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
-from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, REACH, NavigationOptions
+from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, REACH, STANDING, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
 Point = Tuple[float, float]
@@ -65,6 +65,25 @@ class HeldUp:
     def draw(self) -> float:
         """s to wait, by chance, so that two robots never keep step."""
         return self._patience * (0.5 + self._spread * self._random.random())
+
+
+class Retreat:
+    """A way out of another robot's way, as long as the robot gets on along it: the other may stand in that, too."""
+
+    def __init__(self, way: Plan, now: float) -> None:
+        self.way = way
+        self._least = math.inf  # m left so far
+        self._progress_at = now
+
+    def advance(self, now: float, pose: Pose, gained_room: bool) -> None:
+        """Once per step. `gained_room`: whether a manoeuvre has just ended."""
+        left = self.way.cost_at(pose[0], pose[1])
+        if gained_room or left < self._least - PROGRESS:
+            self._progress_at = now
+        self._least = min(self._least, left)
+
+    def leads_on(self, now: float) -> bool:
+        return now - self._progress_at < STANDING
 
 
 def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
