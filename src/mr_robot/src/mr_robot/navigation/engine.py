@@ -244,7 +244,7 @@ class Navigator:
         if retreat is None or now >= self._mode_until or math.dist(pose[:2], retreat.way.goal) < near:
             self.mode = Mode.WAIT
             self._follower.drop_manoeuvre()
-            self._mode_until = now + self._held_up.draw()
+            self._mode_until = now + self._held_up.pause()
             return self._brake()
         if not retreat.leads_on(now):
             return self._retreat_anew(now, pose, costs)

@@ -28,12 +28,14 @@ class HeldUp:
         self._name = name
         self._robot_size = 2.0 * options.largest_robot_radius + PROGRESS  # m around a position in which its hits lie
         self._patience, self._again = options.yield_patience, options.blocked_timeout
+        self._soon = 0.5 * self._patience
         self._random = random
         self._since: Optional[float] = None
         self._limit = 0.0
         self._closest = math.inf  # m, how near the blocker has been meanwhile
         self._spread = SPREAD  # times the patience, by chance
         self._gave_way_at = -math.inf
+        self._goes_by_name = False  # whether it is for this robot to go, by its name
 
     def clear(self) -> None:
         self._since = None
@@ -58,13 +60,18 @@ class HeldUp:
 
     def _limit_for(self, blocker: Point, others: Mapping[str, Point]) -> float:
         near = [name for name, position in others.items() if math.dist(position, blocker) < self._robot_size]
+        self._goes_by_name = bool(near) and self._name > min(near)
         if not near:
-            return self.draw()
-        return 0.5 * self._patience if self._name > min(near) else AT_REST + self._random.random() * self._patience
+            return self._draw()
+        return self._soon if self._goes_by_name else AT_REST + self._random.random() * self._patience
 
-    def draw(self) -> float:
+    def pause(self) -> float:
+        """s to wait beside the other's way; who goes by name is seen off after that, and no chance is needed."""
+        return self._soon if self._goes_by_name else self._draw()
+
+    def _draw(self) -> float:
         """s to wait, by chance, so that two robots never keep step."""
-        return self._patience * (0.5 + self._spread * self._random.random())
+        return self._soon + self._patience * self._spread * self._random.random()
 
 
 class Retreat:
@@ -83,7 +90,7 @@ class Retreat:
         self._least = min(self._least, left)
 
     def leads_on(self, now: float) -> bool:
-        return now - self._progress_at < STANDING
+        return now - self._progress_at < 2.0 * STANDING  # manoeuvres lead away first
 
 
 def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
