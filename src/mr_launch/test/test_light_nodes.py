@@ -15,11 +15,24 @@ NODES = {
     "slam": "import mr_robot.slam.node",
 }
 FOREIGN = {"cv2", "matplotlib", "mr_measures", "mr_plans"}
+RUNNER = ("mr_launch.commands", "mr_launch.outside", "mr_launch.inside")
+SLOW = {"cv2", "matplotlib", "scipy", "tornado"}
 
 
 @pytest.mark.parametrize("node", NODES)
 def test_node_loads_only_what_it_needs(node):
     foreign = FOREIGN | ({"mr_robot._slam"} if node != "slam" else set())
-    script = f"{NODES[node]}\nimport sys; print(sorted({foreign!r} & set(sys.modules)))"
+    assert loaded_of(foreign, NODES[node]) == "[]"
+
+
+@pytest.mark.parametrize("module", RUNNER)
+def test_the_team_runner_begins_without_what_is_slow_to_import(module):
+    """Three of four parts of its start went into pictures and a page that nobody had asked for."""
+    assert loaded_of(SLOW, f"import {module}") == "[]"
+
+
+def loaded_of(modules, script):
+    """Those of them that are there after the script."""
+    script = f"{script}\nimport sys; print(sorted({modules!r} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+    return done.stdout.splitlines()[-1]

@@ -12,6 +12,7 @@ from typing import Any, Callable, Collection, Mapping, NoReturn, Sequence
 
 from mr_launch.errors import UserError
 from mr_launch.programs import NAVIGATION, SLAM
+from mr_page.address import PORT
 from mr_robot.platforms.alternatives import OWN
 
 STRATEGY = 7
@@ -97,8 +98,6 @@ def strategy_number(text: str) -> int:
 
 
 def make_parser() -> argparse.ArgumentParser:
-    from mr_page.server import PORT  # as above
-
     parser = _Parser(
         prog="team",
         description="A team of robots, each with its own ROS master and its own radio, explores a Stage world.",

@@ -20,7 +20,6 @@ from mr_launch.outside import run_team
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, RobotPlan
 from mr_launch.programs import find_programs, free_ports
 from mr_launch.world import check_start, find_world, is_map, keep_generated, presets_of, robots_of, warning_of
-from mr_page.server import listening_sockets
 
 
 def team(arguments: Sequence[str]) -> int:
@@ -47,6 +46,8 @@ def page_listener(port: int) -> socket.socket | None:
     """For viewers on this computer; None without a port. Raises UserError if others have the port."""
     if not port:
         return None
+    from mr_page.server import listening_sockets  # slow to import
+
     try:
         return listening_sockets(port, "127.0.0.1")[0]
     except OSError as error:

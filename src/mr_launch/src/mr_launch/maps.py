@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
@@ -37,6 +36,8 @@ def load_raw(path: Path) -> OccupancyGrid:
 
 def save_map(grid: OccupancyGrid, stem: Path) -> list[Path]:
     """Write ``<stem>.pgm``, ``<stem>.yaml`` and ``<stem>.png``; returns the files."""
+    import cv2  # here, for a mission that begins: it is slow to import
+
     files = [Path(path) for path in write_map(str(stem), grid, FREE_BELOW, OCCUPIED_FROM)]
     picture = stem.with_suffix(".png")
     if not cv2.imwrite(str(picture), image_of(grid, FREE_BELOW, OCCUPIED_FROM)[::-1]):

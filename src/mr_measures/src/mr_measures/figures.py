@@ -4,13 +4,18 @@ A map is placed in the world by the robot's true start pose, because a local map
 All positions in metres, angles in radians, times in simulated seconds.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
-from mr_measures.truth import Truth
+
+if TYPE_CHECKING:
+    from mr_measures.truth import Truth  # slow to import; many processes need the limits alone
 
 FREE_BELOW = 50  # an occupancy value from 0 to this (exclusive) is explored free space
 OCCUPIED_FROM = 65  # an occupancy value from this on is a wall

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from mr_grid import OccupancyGrid
@@ -25,6 +24,8 @@ class Picture:
 
 def picture_of(occupancy: OccupancyGrid) -> Picture:
     """Of a map that is not turned."""
+    import cv2  # here, for programs that read records alone
+
     gray = np.full(occupancy.cells.shape, UNKNOWN, dtype=np.uint8)
     gray[(occupancy.cells >= 0) & (occupancy.cells < FREE_BELOW)] = FREE
     gray[occupancy.cells >= OCCUPIED_FROM] = OCCUPIED

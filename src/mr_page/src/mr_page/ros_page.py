@@ -16,11 +16,12 @@ import yaml  # type: ignore[import-untyped]
 
 from mr_grid import Pose
 from mr_grid.ros_node import init_node
+from mr_page.address import ADDRESS, PORT
 from mr_page.commands import Answer, Order
 from mr_page.feeds import FeedLink
 from mr_page.numbers import is_finite
 from mr_page.ros_feed import RobotFeed
-from mr_page.server import ADDRESS, PORT, PageServer, listening_sockets, quiet_logs
+from mr_page.server import PageServer, listening_sockets, quiet_logs
 from mr_page.state import PageState
 from mr_page.update import encoded
 from mr_page.viewer import PERIOD, Viewer

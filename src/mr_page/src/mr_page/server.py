@@ -23,8 +23,6 @@ from mr_page.state import PageState
 from mr_page.update import Update, encoded
 from mr_page.viewer import PERIOD, Viewer
 
-PORT = 8088
-ADDRESS = "localhost"
 MAX_VIEWERS = 16
 MAX_ORDERS = 16  # of a viewer at a time
 QUIET = 1.5  # s without news after which a viewer is told that there are none; pages wait 5 s

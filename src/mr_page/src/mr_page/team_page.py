@@ -9,9 +9,10 @@ import signal
 import socket
 import sys
 
+from mr_page.address import ADDRESS, PORT
 from mr_page.feeds import FeedServer
 from mr_page.radio_switch import RadioSwitch
-from mr_page.server import ADDRESS, PORT, PageServer, listening_sockets, quiet_logs
+from mr_page.server import PageServer, listening_sockets, quiet_logs
 from mr_page.state import PageState
 
 MAX_PORT = 65535
