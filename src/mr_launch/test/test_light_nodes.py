@@ -31,6 +31,11 @@ def test_the_team_runner_begins_without_what_is_slow_to_import(module):
     assert loaded_of(SLOW, f"import {module}") == "[]"
 
 
+def test_a_mission_in_virtual_time_begins_without_the_statistics_of_benchmarks():
+    """A tenth of its start: many programs and tests start one."""
+    assert loaded_of({"matplotlib", "scipy.stats"}, "import mr_experiments.host.mission") == "[]"
+
+
 def loaded_of(modules, script):
     """Those of them that are there after the script."""
     script = f"{script}\nimport sys; print(sorted({modules!r} & set(sys.modules)))"

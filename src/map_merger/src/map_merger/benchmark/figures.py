@@ -2,8 +2,6 @@
 
 from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
 
-from scipy.stats import beta
-
 from .outcome import Outcome, counts
 
 STRATA: Dict[str, Tuple[float, float]] = {"< 12 m": (0.0, 12.0), "12 to 25 m": (12.0, 25.0), ">= 25 m": (25.0, 1e9)}
@@ -36,6 +34,8 @@ def interval(successes: int, trials: int) -> Tuple[float, float]:
     bound is of use; it is then the one-sided one, about 3 / n."""
     if trials == 0:
         return 0.0, 1.0
+    from scipy.stats import beta  # here, for missions, which take the strata alone: it is slow to import
+
     tail = 1.0 - _CONFIDENCE
     if successes == 0:
         return 0.0, float(beta.ppf(_CONFIDENCE, 1, trials))
