@@ -36,7 +36,7 @@ def main():
     while not rospy.is_shutdown():
         faults = rospy.get_param("~faults", [])
         clock.publish(rospy.Time.from_sec(time.time()))
-        now = rospy.Time.from_sec(time.time()) - rospy.Duration(5.0 if "stamps" in faults else 0.0)
+        now = rospy.Time.from_sec(time.time()) - rospy.Duration(5.5 if "stamps" in faults else 0.0)
         scan = LaserScan(range_min=0.1, range_max=8.0, angle_max=math.pi, ranges=[1.0] * 10)
         scan.header.stamp, scan.header.frame_id = now, "laser"
         if "scan" not in faults:

@@ -124,6 +124,9 @@ HEALTHY_ROBOTS = {
         hub=Hub("/tmp/hub"),
         clock=Clock(True, ("/robot",), True),
     ),
+    "in simulation, a driver that stamps rightly by itself": replace(
+        HEALTHY, clock=Clock(True, ("/gazebo",), ignored_by=("/laser",))
+    ),
     "a base station": replace(
         HEALTHY,
         set_up=set_up_of({**{n: PARAMETERS[n] for n in NODES[:2]}, "map_merger": {"has_local_map": False}}),
@@ -211,6 +214,19 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         "nothing of robot.launch",
         "roslaunch mr_launch robot.launch",
     ),
+    "a master with nothing but a simulated body": (
+        replace(
+            HEALTHY,
+            set_up=set_up_of({"robot": {"socket": "/tmp/world"}}),
+            running=("robot",),
+            clock=Clock(True, ("/robot",)),
+            topics={},
+            links=(),
+            radio=None,
+        ),
+        "nothing of robot.launch",
+        "roslaunch mr_launch robot.launch",
+    ),
     "misspelt parameter": (with_parameters("explorer", view_distanse=2.0), "is view_distance meant?", "correct it"),
     "misspelt parameter of navigation": (
         with_parameters("move_base", footprint_length=0.4, xy_goal_tolerence=0.3),
@@ -250,6 +266,16 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         replace(HEALTHY, clock=Clock(False, ("/player",))),
         "/player publishes /clock",
         "use_sim_time",
+    ),
+    "nodes that began before time was simulated": (
+        replace(with_topic("map", rate=0.0), clock=Clock(True, ("/robot",), ignored_by=("/explorer", "/slam"))),
+        "the computer's clock, not /clock, tells the time to /explorer, /slam",
+        "start again what began before /use_sim_time",
+    ),
+    "a driver that began before time was simulated": (
+        replace(with_topic("scan", age=-1.8e9), clock=Clock(True, ("/player",), ignored_by=("/laser",))),
+        "the computer's clock, not /clock, tells the time to /laser",
+        "start again what began before /use_sim_time",
     ),
     "no laser": (with_topic("scan", publishers=(), kind="", rate=0.0), "nobody publishes /scan", "scan_topic:="),
     "wrong topic of the laser": (

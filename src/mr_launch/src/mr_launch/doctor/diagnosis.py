@@ -30,6 +30,7 @@ ASKING_CHECKS: tuple[Check, ...] = (
     robot.check_hosts,
     robot.check_nodes,
     robot.check_time,
+    robot.check_clocks,
     robot.check_drivers,
     robot.check_frames,
     robot.check_map,

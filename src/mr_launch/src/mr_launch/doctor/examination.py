@@ -21,9 +21,9 @@ from adhoc_communication.msg import Status
 from adhoc_communication.srv import GetNeighbors
 
 from mr_launch.doctor.facts import FRAME_SIZE, HUB, Facts, Master, Radio, SetUp, Topic
-from mr_launch.doctor.listener import Listener
+from mr_launch.doctor.listener import TYPES, Listener
 from mr_launch.doctor.machine import computer_of, fault_of_name, hub_of, interface_of, key_file_of
-from mr_launch.doctor.set_up import folders_of, frame_size_of, parameters_of, set_up_of, topics_of
+from mr_launch.doctor.set_up import BODY, folders_of, frame_size_of, parameters_of, set_up_of, topics_of
 
 PATIENCE = 3.0  # s that a master, a node or a service may take to answer
 TAIL = 65536  # octets of a log in which the last words are looked for
@@ -107,13 +107,14 @@ class Robot:
         rospy.init_node("doctor", anonymous=True, disable_signals=True, disable_rostime=True)
         assert facts.set_up is not None
         with _patience():
-            running = tuple(node for node in facts.set_up.nodes if self._runs(node))
-            astray = self._astray(node for node in facts.set_up.nodes if node not in running)
+            running = tuple(node for node in facts.set_up.processes if self._runs(node))
+            astray = self._astray(node for node in facts.set_up.processes if node not in running)
             publishers, subscribers, _ = self._master.getSystemState()
             kinds = dict(self._master.getTopicTypes())
         graph = Graph(dict(publishers), dict(subscribers), kinds)
         topics = self._topics(facts.set_up, graph)
         simulated = self._is_simulated()
+        ignored_by = self._without_clock(running, topics, graph) if simulated else ()
         listener = Listener(topics, simulated)
         rospy.Subscriber(f"{self._namespace}adhoc_communication/status", Status, self._on_status, queue_size=1)
         began = time.monotonic()
@@ -125,11 +126,11 @@ class Robot:
             computer=computer,
             running=running,
             astray=astray,
-            clock=listener.clock(graph.publishers("/clock")),
+            clock=replace(listener.clock(graph.publishers("/clock")), ignored_by=ignored_by),
             topics=listener.topics(),
             links=listener.links(),
             radio=self._radio(answers, listener),
-            last_words={node: self._last_words(node) for node in facts.set_up.nodes if node not in running},
+            last_words={node: self._last_words(node) for node in facts.set_up.processes if node not in running},
             offered=bool(graph.subscribers(f"{self._namespace}move_base/goal")),
         )
 
@@ -157,6 +158,13 @@ class Robot:
                 if host and fault_of_name(host):
                     found[node] = host
         return found
+
+    def _without_clock(self, running: Iterable[str], topics: Mapping[str, Topic], graph: Graph) -> tuple[str, ...]:
+        """Nodes and drivers of the robot that do not listen to /clock, by full names. Who simulates it need not."""
+        nodes = {self._namespace + node for node in running if node != BODY}
+        drivers = {node for purpose in TYPES if purpose in topics for node in topics[purpose].publishers}
+        makers = {self._namespace + BODY, *graph.publishers("/clock")}
+        return tuple(sorted((nodes | drivers) - makers - set(graph.subscribers("/clock"))))
 
     def _topics(self, set_up: SetUp, graph: Graph) -> dict[str, Topic]:
         """What the nodes of a robot with a body need. Where a launch file renames one, the node's own word counts."""

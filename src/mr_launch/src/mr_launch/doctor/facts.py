@@ -127,11 +127,13 @@ class Link:
 
 @dataclass(frozen=True)
 class Clock:
-    """`simulated`: the nodes take the time from /clock; `publishers` of it; `runs`: it went on meanwhile."""
+    """`simulated`: the nodes take the time from /clock; `publishers` of it; `runs`: it went on meanwhile; `ignored_by`:
+    nodes that do not listen to it though it is `simulated`, by full names."""
 
     simulated: bool = False
     publishers: tuple[str, ...] = ()
     runs: bool = True
+    ignored_by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -154,16 +156,23 @@ class Radio:
 
 @dataclass(frozen=True)
 class SetUp:
-    """How the robot is set up, by the parameters on its master. `nodes` that should run; `names` that they have for
-    this robot, empty for the host name; `faults`: what is wrong with the parameters of a node."""
+    """How the robot is set up, by the parameters on its master. `nodes` of it that should run; `body`: the node that
+    simulates it, empty for a real robot; `names` that the nodes have for this robot, empty for the host name; `faults`:
+    what is wrong with the parameters of a node."""
 
     nodes: tuple[str, ...] = ()
+    body: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
     faults: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     map_frame: str = "map"
     odom_frame: str = "odom"
     base_frame: str = "base_footprint"
     has_body: bool = True
+
+    @property
+    def processes(self) -> tuple[str, ...]:
+        """All nodes that should run."""
+        return (*self.nodes, self.body) if self.body else self.nodes
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def check_nodes(facts: Facts) -> Iterator[Finding]:
     """A node whose parameters are wrong is named by these."""
     if facts.set_up is None:
         return
-    for node in facts.set_up.nodes:
+    for node in facts.set_up.processes:
         if node not in facts.running and node not in facts.set_up.faults and not _explained(facts, node):
             words = facts.last_words.get(node, "")
             said = f"; it said: {words}" if words else ""
@@ -98,12 +98,30 @@ def check_time(facts: Facts) -> Iterator[Finding]:
         yield Finding("time", what, "rosparam set /use_sim_time true and start the nodes again, or end that node")
 
 
+def check_clocks(facts: Facts) -> Iterator[Finding]:
+    """A node looks only once, when it starts, whose time it has to take."""
+    nodes = () if _time_stands(facts) else _by_another_clock(facts)
+    if nodes:
+        what = f"the computer's clock, not /clock, tells the time to {', '.join(nodes)}"
+        yield Finding("time", what, "start again what began before /use_sim_time was true")
+
+
+def _by_another_clock(facts: Facts) -> tuple[str, ...]:
+    """Full names. A driver may know the time from elsewhere: its stamps tell."""
+    if facts.clock is None:
+        return ()
+    drivers = [topic for purpose, topic in facts.topics.items() if purpose in _DRIVERS]
+    right = {node for topic in drivers if topic.heard and abs(topic.age) <= OLDEST for node in topic.publishers}
+    return tuple(node for node in facts.clock.ignored_by if node not in right)
+
+
 def check_drivers(facts: Facts) -> Iterator[Finding]:
     if _time_stands(facts):
         return
+    by_another_clock = set(_by_another_clock(facts))
     for purpose, (device, argument, least) in _DRIVERS.items():
         topic = facts.topics.get(purpose)
-        if topic is not None:
+        if topic is not None and not by_another_clock & set(topic.publishers):  # these are named themselves
             yield from _driver_findings(topic, device, argument, least)
 
 
@@ -147,7 +165,9 @@ def check_velocity(facts: Facts) -> Iterator[Finding]:
 def check_map(facts: Facts) -> Iterator[Finding]:
     """SLAM makes none without scans, odometry and frames, which are named themselves."""
     topic = facts.topics.get("map")
-    if topic is None or _time_stands(facts) or list(check_drivers(facts)) or list(check_frames(facts)):
+    if topic is None or _time_stands(facts) or list(check_clocks(facts)):
+        return
+    if list(check_drivers(facts)) or list(check_frames(facts)):
         return
     if topic.heard or "slam" in _missing(facts):
         return

@@ -24,16 +24,18 @@ NODES = (
     "move_base",
     "mission_control",
     "velocity_override",
-    "robot",
 )
-"""Of robot.launch; `robot` is the body of a simulated one."""
-WITH_A_BODY = {"map_merger", "explorer", "slam", "move_base", "robot"}
+"""Of robot.launch."""
+BODY = "robot"
+"""The node of mr_sim that simulates one."""
+WITH_A_BODY = {"map_merger", "explorer", "slam", "move_base"}
 """Those that need scans and odometry; adhoc.launch alone has none of them."""
 
 
 def set_up_of(given: Parameters) -> SetUp:
     """`given`: all parameters of the robot's namespace, nested."""
-    nodes = tuple(node for node in NODES if _is_node(node, given.get(node)))
+    nodes = tuple(node for node in NODES if isinstance(given.get(node), dict))
+    simulator = parameters_of(given, BODY)
     merger, explorer, slam, navigation = (
         parameters_of(given, node) for node in ("map_merger", "explorer", "slam", "move_base")
     )
@@ -42,6 +44,7 @@ def set_up_of(given: Parameters) -> SetUp:
     faults.update({node: (f"holds no parameters, but {given[node]!r:.60}",) for node in _scalars(given)})
     return SetUp(
         nodes,
+        BODY if "socket" in simulator else "",  # a node of another launch file may have the name
         {node: str(given[node]["robot_name"]) for node in named},
         {node: found for node, found in faults.items() if found},
         map_frame=_first([merger.get("local_map_frame_id")], "map"),
@@ -53,11 +56,6 @@ def set_up_of(given: Parameters) -> SetUp:
     )
 
 
-def _is_node(name: str, given: Any) -> bool:
-    """A node of another launch file may have the name `robot`."""
-    return isinstance(given, dict) and (name != "robot" or "socket" in given)
-
-
 def parameters_of(given: Parameters, node: str) -> Parameters:
     """Those of one node; none where something else has its name."""
     found = given.get(node)
@@ -66,7 +64,7 @@ def parameters_of(given: Parameters, node: str) -> Parameters:
 
 def _scalars(given: Parameters) -> list[str]:
     """Nodes whose name has one value in place of parameters."""
-    return [node for node in NODES if node in given and node != "robot" and not isinstance(given[node], dict)]
+    return [node for node in NODES if node in given and not isinstance(given[node], dict)]
 
 
 def frame_size_of(radio: Parameters) -> int | None:
