@@ -94,6 +94,29 @@ def test_stretches_count_from_the_first_message_of_any_robot(tmp_path):
         played_spans(recording, 40.0, math.inf)
 
 
+def test_a_bag_of_two_clocks_is_refused_and_each_part_can_be_played(tmp_path):
+    """Once its replay never came to the end. The recorder had begun before time was simulated."""
+    wall = 1_795_831_000
+    with Bag(tmp_path / "a" / "a.bag") as bag:
+        for second in (*range(3, 20), *range(wall, wall + 5)):
+            bag.add(second * SECOND, "base_scan", bag.scan(second * SECOND))
+    recording = find_recording(tmp_path)
+    told = (
+        rf"a: nothing was recorded from second 16 to {wall - 3}, .*two clocks.*: --to 16 plays .*, --from {wall - 3} "
+    )
+    with pytest.raises(UserError, match=told):
+        played_spans(recording, 0.0, math.inf)
+    assert played_spans(recording, 0.0, 16.0) == {"a": Span(3 * SECOND, 19 * SECOND)}
+    assert played_spans(recording, wall - 3.0, math.inf) == {"a": Span(wall * SECOND, (wall + 4) * SECOND)}
+
+
+def test_a_robot_whose_simulated_time_is_real_is_named(tmp_path):
+    record(tmp_path / "a" / "a.bag", 3, 20)
+    record(tmp_path / "b" / "b.bag", 1_795_831_000, 1_795_831_009)
+    with pytest.raises(UserError, match="a: nothing was recorded from second 17 to 1795831006"):
+        played_spans(find_recording(tmp_path), 0.0, math.inf)
+
+
 def test_robots_whose_clocks_nothing_ties_begin_together(tmp_path):
     record(tmp_path / "a" / "a.bag", 3, 20, clock=False)
     record(tmp_path / "b" / "b.bag", 1005, 1030, clock=False)

@@ -64,6 +64,20 @@ def messages(
         yield from reader.messages(connections=connections, start=start, stop=stop)
 
 
+def longest_pause(reader: Any, span: Span) -> Span:
+    """Within `span`: between a message of any topic and the next one, before the first, or after the last."""
+    longest, before = Span(span.start, span.start), span.start
+    for _, time, _ in messages(reader, reader.connections, span.start, span.end):
+        longest = max(longest, Span(before, time), key=length_of)
+        before = time
+    return max(longest, Span(before, span.end), key=length_of)
+
+
+def length_of(span: Span) -> int:
+    """In ns."""
+    return span.end - span.start
+
+
 def decoded(reader: Any, connection: Any, octets: bytes) -> Any:
     """The message, or None for octets that are none of its type."""
     from rosbags.serde import SerdeError
