@@ -1,6 +1,7 @@
 """Ctrl-C while a node is still being read, and while the team runner starts."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,11 +15,14 @@ from mr_measures.record.files import read_record
 
 TEAM = Path(__file__).resolve().parents[1] / "nodes" / "team"
 PACKAGES = TEAM.parents[2]
-NODES = sorted(
-    f"{path.parts[-3]}/{path.name}"
-    for path in PACKAGES.glob("*/nodes/*")
+PROGRAMS = {
+    f"{path.parts[-3]}/{path.name}": path
+    for folder in ("nodes", "scripts")
+    for path in sorted(PACKAGES.glob(f"*/{folder}/*"))
     if path.is_file() and path.read_text().startswith("#!/usr/bin/env python3")
-)
+}
+OF_PYTHON_ALONE = {"adhoc_communication/team_key"}  # imports nothing else
+NODES = sorted(PROGRAMS.keys() - OF_PYTHON_ALONE)
 # Read before any other: the first import that is not of Python's own takes its time, says so, and loses what comes.
 LOSING = """
 import sys, time
@@ -44,13 +48,18 @@ WIND_UP = {  # commands that end what they have begun when they are interrupted:
     "mr_launch/soak": "mr_launch.soak.command main",
     "mr_launch/team": "mr_launch.commands team",
     "mr_page/bench_page": "mr_page.bench main",
+    **{
+        name: re.search(r"from (\S+) import main as command", path.read_text()).expand(r"\1 main")
+        for name, path in PROGRAMS.items()
+        if name.startswith("mr_experiments/")
+    },
 }
+PLAIN_ROUNDING = {"mr_experiments.common.plain_rounding": "def restart_with_plain_rounding():\n    pass\n"}
 
 
 def run_node(node, folder):
-    package, name = node.split("/")
     environment = {**os.environ, "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}"}
-    command = [sys.executable, str(PACKAGES / package / "nodes" / name)]
+    command = [sys.executable, str(PROGRAMS[node])]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, env=environment, stdout=pipe, stderr=pipe, text=True)
 
@@ -88,12 +97,13 @@ def test_an_interrupt_during_the_imports_ends_a_node(node, tmp_path):
 @pytest.mark.parametrize("node", WIND_UP)
 def test_an_interrupt_after_the_imports_lets_a_command_wind_up(node, tmp_path):
     module, function = WIND_UP[node].split()
-    place = tmp_path.joinpath(*module.split("."))
-    place.parent.mkdir(parents=True)
-    for folder in list(place.parents)[: module.count(".")]:
-        (folder / "__init__.py").touch()
     handler = "__import__('signal').getsignal(2).__name__"
-    place.with_suffix(".py").write_text(f"def {function}(*_):\n    print({handler})\n")
+    for name, text in {**PLAIN_ROUNDING, module: f"def {function}(*_):\n    print({handler})\n"}.items():
+        place = tmp_path.joinpath(*name.split("."))
+        place.parent.mkdir(parents=True, exist_ok=True)
+        for folder in list(place.parents)[: name.count(".")]:
+            (folder / "__init__.py").touch()
+        place.with_suffix(".py").write_text(text)
     with run_node(node, tmp_path) as process:
         said, errors = process.communicate(timeout=20.0)
     assert (said, errors) == ("default_int_handler\n", "")
