@@ -12,6 +12,7 @@ import subprocess
 import threading
 import time
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import rosgraph
@@ -21,6 +22,7 @@ import rosservice
 import rostest
 from adhoc_communication import msg, srv
 from geometry_msgs.msg import Quaternion, Twist
+from namespaces import program
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Float64MultiArray, String
 
@@ -103,7 +105,7 @@ def wait_for_state(robot, condition):
 def own_node(name, timings):
     """A further robot with these timings, its process; at the end, the others have noticed that it is gone."""
     rospy.set_param(f"/{name}/adhoc_communication/timings", timings)
-    command = ["rosrun", "adhoc_communication", "adhoc_communication", f"__ns:={name}", f"_robot_name:={name}"]
+    command = [program("adhoc_communication"), f"__ns:={name}", f"_robot_name:={name}"]
     node = subprocess.Popen([*command, f"_interface:=hub:{rospy.get_param('~hub')}"], stdout=subprocess.DEVNULL)
     try:
         yield node
@@ -337,9 +339,11 @@ class Delivery(unittest.TestCase):
 
 
 class Failures(unittest.TestCase):
-    def assert_call_fails(self, service, arguments, *expected):
+    def called(self, service, arguments):
         command = ["rosservice", "call", f"/alice/adhoc_communication/{service}", *arguments]
-        result = subprocess.run(command, capture_output=True, text=True, timeout=60)
+        return subprocess.run(command, capture_output=True, text=True, timeout=60)
+
+    def assert_failed(self, result, *expected):
         output = result.stdout + result.stderr
         self.assertNotEqual(result.returncode, 0, output)
         for text in expected:
@@ -360,9 +364,11 @@ class Failures(unittest.TestCase):
             ("broadcast_string", ["", "hello", "1"], ["topic"]),
             ("join_mc_group", ["mc_alice", "0"], ["mc_alice"]),
         ]
-        for service, arguments, expected in cases:
+        with ThreadPoolExecutor(4) as pool:  # a shell command takes a second to start, and mostly waits
+            results = list(pool.map(lambda case: self.called(*case[:2]), cases))
+        for (service, arguments, expected), result in zip(cases, results):
             with self.subTest(service=service, arguments=arguments):
-                self.assert_call_fails(service, arguments, *expected)
+                self.assert_failed(result, *expected)
 
     def test_packet_that_is_too_large(self):
         big = OccupancyGrid()
@@ -437,7 +443,7 @@ class Failures(unittest.TestCase):
         for number, (arguments, expected) in enumerate(cases):
             with self.subTest(arguments=arguments):
                 name = f"refused_{number}"
-                command = ["rosrun", "adhoc_communication", "adhoc_communication", f"__name:={name}", *arguments]
+                command = [program("adhoc_communication"), f"__name:={name}", *arguments]
                 result = subprocess.run(command, capture_output=True, text=True, timeout=30)
                 output = result.stdout + result.stderr
                 self.assertEqual(result.returncode, 1, output)
@@ -453,14 +459,14 @@ class Failures(unittest.TestCase):
 
 class Documentation(unittest.TestCase):
     def test_parameter_table_of_the_readme(self):
-        command = ["rosrun", "adhoc_communication", "adhoc_communication", "--list-parameters"]
+        command = [program("adhoc_communication"), "--list-parameters"]
         listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
         expected = [tuple(line.split("\t")[:3]) for line in listed]
         self.assertEqual(sorted(table_of_parameters()), sorted(expected))
 
     def test_option_table_of_the_radio(self):
         """Each option of the help that has a default stands in the table of the README with the same one."""
-        command = ["rosrun", "adhoc_communication", "radio", "--help"]
+        command = [program("radio"), "--help"]
         listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
         words = [line.split() for line in listed if line.startswith("  --")]
         defaults = {option: default for option, default, *_ in words if not default.isupper()}

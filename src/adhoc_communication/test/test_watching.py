@@ -18,6 +18,7 @@ import rostest
 from adhoc_communication.msg import NetworkState, Status
 from adhoc_communication.srv import SendString
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from namespaces import program
 
 PATIENCE = 20.0  # s
 ETHERTYPE = 0x88B5
@@ -115,8 +116,8 @@ class WithOwnRadio(unittest.TestCase):
         hub = rospy.get_param("~folder") + "_hub"
         ended = []
 
-        def start(*command):
-            process = subprocess.Popen(["rosrun", "adhoc_communication", *command], stdout=subprocess.PIPE)
+        def start(name, *command):
+            process = subprocess.Popen([program(name), *command], stdout=subprocess.PIPE)
             ended.append(process)
             return process
 
@@ -157,7 +158,7 @@ class WithFullDisk(unittest.TestCase):  # the last by name, because it adds a ro
         capture.symlink_to("/dev/full")
         hub = rospy.get_param("/alice/adhoc_communication/interface")
         parameters = {"robot_name": "dora", "interface": hub, "log_path": folder, "capture_file": capture}
-        command = ["rosrun", "adhoc_communication", "adhoc_communication", "__ns:=/dora", "__name:=adhoc_communication"]
+        command = [program("adhoc_communication"), "__ns:=/dora", "__name:=adhoc_communication"]
         command += [f"_{name}:={value}" for name, value in parameters.items()]
         words = folder / "words"
         with words.open("w") as file:
