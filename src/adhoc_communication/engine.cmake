@@ -78,7 +78,7 @@ if(CATKIN_ENABLE_TESTING)
   file(GLOB ADHOC_ENGINE_TESTS CONFIGURE_DEPENDS ${ADHOC_ENGINE_DIR}/test/engine/test_*.cpp)
   catkin_add_gtest(${PROJECT_NAME}_engine_test ${ADHOC_ENGINE_TESTS} TIMEOUT 300)
   if(TARGET ${PROJECT_NAME}_engine_test)
-    target_compile_options(${PROJECT_NAME}_engine_test PRIVATE -O1)
+    target_compile_options(${PROJECT_NAME}_engine_test PRIVATE -O0)
     set_target_properties(${PROJECT_NAME}_engine_test PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ADHOC_FILES_AT_ONCE})
     target_link_libraries(${PROJECT_NAME}_engine_test adhoc_engine_scenarios gtest_main)
     set_property(SOURCE ${ADHOC_ENGINE_DIR}/test/engine/test_protocol_vectors.cpp APPEND PROPERTY
