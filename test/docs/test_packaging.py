@@ -1,4 +1,4 @@
-"""Changelogs, Dockerfiles and the workflow name what is there."""
+"""Changelogs, Dockerfiles, the workflow and tools/test name what is there, and tools/test all of it."""
 
 import re
 
@@ -17,6 +17,28 @@ def test_every_package_has_a_changelog(package):
     assert lines[4] == "Forthcoming" or lines[4].startswith(version.group(1))
     assert set(lines[5]) == {"-"} and len(lines[5]) == len(lines[4])
     assert all(line.startswith(("* ", "  ")) and len(line) <= 120 for line in lines[6:] if line)
+
+
+def kinds_of_tests(package):
+    """The kinds of tests of a package, as catkin names their targets."""
+    text = "".join(path.read_text(encoding="utf-8") for path in package.glob("*.cmake"))
+    text += (package / "CMakeLists.txt").read_text(encoding="utf-8")
+    calls = {"catkin_add_gtest": "gtest", "add_rostest": "rostest", "roslaunch_add_file_check": "roslaunch-check"}
+    found = {kind for call, kind in calls.items() if re.search(rf"\b{call}\(", text)}
+    own = r"\b(?:catkin_run_tests_target|adhoc_add_tests|add_tests)\(\"?(\w+)\"? "
+    return found | (set(re.findall(own, text)) - {"kind"})
+
+
+@pytest.mark.parametrize("package", [*PACKAGES, REPOSITORY / "test"], ids=lambda package: package.name)
+def test_every_kind_of_tests_is_run_by_make_test(package):
+    text = (REPOSITORY / "tools" / "test").read_text(encoding="utf-8")
+    name = re.search(
+        r"^project\((\w+)\)", (package / "CMakeLists.txt").read_text(encoding="utf-8"), re.MULTILINE
+    ).group(1)
+    if re.search(rf"\brun_packages(?: \w+)* {name}\b", text):
+        return
+    run = [kind for kinds in re.findall(rf"\brun_tests {name}((?: [\w-]+)+)", text) for kind in kinds.split()]
+    assert len(run) == len(set(run)) and set(run) == kinds_of_tests(package)
 
 
 @pytest.mark.parametrize("file", sorted((REPOSITORY / "docker").glob("Dockerfile.*")), ids=lambda file: file.name)
