@@ -87,7 +87,7 @@ def test_crash_of_an_engine_is_a_failed_record_with_its_time(monkeypatch):
 
 
 def test_time_never_goes_back_and_is_known_to_those_who_hear(monkeypatch):
-    mission = Mission(Trial("small8x8", 3, 1, limit=30.0, radio=RadioOptions(loss=0.3)))
+    mission = Mission(Trial("small8x8", 3, 1, limit=15.0, radio=RadioOptions(loss=0.3)))
     late, times = [], [0.0]
     for robot in mission.robots:
         on_packet = robot.on_packet
@@ -156,14 +156,14 @@ def test_odometry_model_reaches_the_world():
 
 def test_halves_of_a_team_do_not_hear_each_other_in_a_partition():
     """Frames are exchanged within the halves; after it all hear all again."""
-    mission = Mission(Trial("office26x15", 3, 1, limit=300.0, partition=(5.0, 20.0)))
+    mission = Mission(Trial("office26x15", 3, 1, limit=300.0, partition=(3.0, 14.0)))
     heard = {}
-    for until in (4.0, 19.0, 30.0):
+    for until in (2.0, 13.0, 22.0):
         while mission.begun_at is None or mission.since_start < until:
             mission.run(until=mission.now + 1.0)
         heard[until] = [sorted(mission.radio.neighbors(robot.own_radio.index)) for robot in mission.robots]
     everybody = [["robot_1", "robot_2"], ["robot_0", "robot_2"], ["robot_0", "robot_1"]]
-    assert heard == {4.0: everybody, 19.0: [["robot_1"], ["robot_0"], []], 30.0: everybody}
+    assert heard == {2.0: everybody, 13.0: [["robot_1"], ["robot_0"], []], 22.0: everybody}
 
 
 @pytest.mark.parametrize(
