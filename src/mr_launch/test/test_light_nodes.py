@@ -15,7 +15,7 @@ NODES = {
     "slam": "import mr_robot.slam.node",
 }
 FOREIGN = {"cv2", "matplotlib", "mr_measures", "mr_plans"}
-RUNNER = ("mr_launch.commands", "mr_launch.outside", "mr_launch.inside")
+RUNNER = ("mr_launch.commands", "mr_launch.outside", "mr_launch.inside", "mr_sim.world_process")
 SLOW = {"cv2", "matplotlib", "scipy", "tornado"}
 
 
@@ -27,7 +27,7 @@ def test_node_loads_only_what_it_needs(node):
 
 @pytest.mark.parametrize("module", RUNNER)
 def test_the_team_runner_begins_without_what_is_slow_to_import(module):
-    """Three of four parts of its start went into pictures and a page that nobody had asked for."""
+    """Half of its start went into pictures and a page that nobody had asked for."""
     assert loaded_of(SLOW, f"import {module}") == "[]"
 
 

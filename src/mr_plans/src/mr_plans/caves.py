@@ -1,6 +1,5 @@
 """Caves for worlds: in whole numbers only, because a threshold on floating-point noise differs between computers."""
 
-import cv2
 import numpy as np
 
 from .drawing import RESOLUTION
@@ -18,6 +17,8 @@ _THROAT_CELLS = WIDE_CELLS + 1
 
 def cave(random: np.random.Generator, length: float, depth: float) -> FloorPlan:
     """The largest of the hollows of a smooth random field, without passages that are too narrow."""
+    import cv2  # here, for who needs no picture: it is slow to import
+
     rows, columns = round(depth / RESOLUTION), round(length / RESOLUTION)
     hollow = _hollows(random, -(-rows // _COARSE), -(-columns // _COARSE))
     fine = np.repeat(np.repeat(hollow, _COARSE, axis=0), _COARSE, axis=1)[:rows, :columns]

@@ -2,7 +2,6 @@
 
 from typing import List, Set, Tuple
 
-import cv2
 import numpy as np
 
 from .drawing import RESOLUTION, WALL_M, Floor
@@ -111,6 +110,8 @@ def draw_loops(random: np.random.Generator, length: float, depth: float) -> Floo
 
 def caves(random: np.random.Generator, length: float) -> FloorPlan:
     """The largest of the hollows of a smooth random field."""
+    import cv2  # here, for who needs no picture: it is slow to import
+
     coarse = 4
     shape = int(0.7 * length / RESOLUTION) // coarse, int(length / RESOLUTION) // coarse
     smooth = cv2.GaussianBlur(random.normal(0.0, 1.0, shape), (0, 0), 1.1 / (RESOLUTION * coarse))

@@ -8,7 +8,6 @@ behind such a place. All in whole numbers, so that every computer gets the same.
 from dataclasses import replace
 from typing import Optional, Tuple
 
-import cv2
 import numpy as np
 
 from .plan import FloorPlan
@@ -49,6 +48,8 @@ def passable(plan: FloorPlan, room: int = WIDE_CELLS) -> FloorPlan:
 
 def places(walls: np.ndarray, cells: int) -> np.ndarray:
     """Cells, bool of the shape of `walls`, around which no wall cell is within that many cells."""
+    import cv2  # here and below, for who needs no picture: it is slow to import
+
     return cv2.dilate(walls.astype(np.uint8), disc(cells), borderType=cv2.BORDER_CONSTANT, borderValue=1) == 0
 
 
@@ -72,6 +73,8 @@ def _parts(walls: np.ndarray, room: int) -> Tuple[np.ndarray, np.ndarray]:
 
 
 def _largest(mask: np.ndarray) -> np.ndarray:
+    import cv2
+
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
     if count == 1:
         return np.zeros_like(mask)
@@ -80,6 +83,8 @@ def _largest(mask: np.ndarray) -> np.ndarray:
 
 
 def _large(pockets: np.ndarray) -> np.ndarray:
+    import cv2
+
     _, labels, stats, _ = cv2.connectedComponentsWithStats(pockets.astype(np.uint8), connectivity=8)
     large = stats[:, cv2.CC_STAT_AREA] >= _POCKET_CELLS
     large[0] = False
@@ -89,6 +94,8 @@ def _large(pockets: np.ndarray) -> np.ndarray:
 
 def _blocking(furniture: np.ndarray, reached: np.ndarray, pockets: np.ndarray, room: int) -> Optional[np.ndarray]:
     """The pieces of furniture (bool mask) that stand between the reached space and a pocket; None without any."""
+    import cv2
+
     if not pockets.any() or not furniture.any():
         return None
     beside = room + _BESIDE_CELLS
@@ -99,5 +106,7 @@ def _blocking(furniture: np.ndarray, reached: np.ndarray, pockets: np.ndarray, r
 
 
 def _grown(mask: np.ndarray, cells: int) -> np.ndarray:
+    import cv2
+
     grown: np.ndarray = cv2.dilate(mask.astype(np.uint8), disc(cells)) > 0
     return grown

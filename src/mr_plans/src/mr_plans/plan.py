@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Tuple
 
-import cv2
 import numpy as np
 
 
@@ -36,6 +35,8 @@ class FloorPlan:
 
 def plan_from_image(path: str, resolution: float) -> FloorPlan:
     """Floor plan from an image, dark = wall, first image row at the north; FileNotFoundError if it cannot be read."""
+    import cv2  # here, for who needs no picture: it is slow to import
+
     image = cv2.imread(path, cv2.IMREAD_GRAYSCALE)
     if image is None:
         raise FileNotFoundError(f"no readable image at {path}")

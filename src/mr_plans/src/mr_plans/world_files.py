@@ -3,7 +3,6 @@
 import math
 from typing import List, NamedTuple
 
-import cv2
 import numpy as np
 
 from .names import WorldName
@@ -51,6 +50,8 @@ def world_files(name: WorldName) -> WorldFiles:
 
 def picture_of(plan: FloorPlan) -> bytes:
     """A PNG of one pixel per cell, walls black."""
+    import cv2  # here, for who needs no picture: it is slow to import
+
     done, data = cv2.imencode(".png", np.where(np.flipud(plan.walls), 0, 255).astype(np.uint8))
     if not done:
         raise ValueError("the plan cannot be encoded as a picture")

@@ -3,7 +3,6 @@
 import os
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from mr_sim.world_file import WorldFileError
@@ -17,6 +16,8 @@ Rectangle = tuple[int, int, int, int]
 
 def read_image(path: str | Path) -> np.ndarray | None:
     """uint8 (rows, columns, 3), blue first; None for what is no picture, or too large a one."""
+    import cv2  # here, for who needs no picture: it is slow to import
+
     try:
         return cv2.imread(str(path), cv2.IMREAD_COLOR) if os.path.isfile(path) else None
     except cv2.error:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import yaml  # type: ignore[import-untyped]
 
@@ -60,6 +59,8 @@ def is_map(name: str) -> bool:
 def map_world_files(path: str | Path, starts: Sequence[Pose] = ()) -> WorldFiles:
     """Picture and world file of a map: robots robot_0, ... at `starts` (map frame), or one where there is most room.
     The name tells different contents apart. Raises MapError, OSError."""
+    import cv2  # here and below, for who needs no picture: it is slow to import
+
     map_ = _cropped(_load(Path(path)))
     done, data = cv2.imencode(".png", np.where(np.flipud(map_.free), 255, 0).astype(np.uint8))
     if not done:
@@ -141,6 +142,8 @@ def _cropped(map_: _Map) -> _Map:
 
 
 def _roomiest(map_: _Map) -> Pose:
+    import cv2
+
     distance = cv2.distanceTransform(map_.free.astype(np.uint8), cv2.DIST_L2, 5)
     row, column = np.unravel_index(int(distance.argmax()), distance.shape)
     x, y = map_.origin.apply_point(float(column + 0.5) * map_.resolution, float(row + 0.5) * map_.resolution)
