@@ -38,9 +38,13 @@ wire::Beacon Presence::plain_beacon(Time now) const {
   return beacon;
 }
 
+/// Most neighbours that fall silent while others still tell of them have driven away: data for them finds out soon
+/// enough.
 void Presence::probe_doubtful(Time now) {
   for (const MacAddress& neighbor : neighbors_.doubtful(now)) {
-    if (!hops_.idle(neighbor)) continue;
+    const Time last_heard = neighbors_.find(neighbor)->last_heard;
+    const bool is_elsewhere = neighbors_.silent(neighbor, now) && directory_.has_news_since(neighbor, last_heard);
+    if (is_elsewhere || !hops_.idle(neighbor)) continue;
     wire::Beacon beacon = plain_beacon(now);
     beacon.heard.push_back({wire::neighbor_tag(neighbors_.find(neighbor)->boot), 0});
     hops_.unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));

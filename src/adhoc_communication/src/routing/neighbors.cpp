@@ -241,14 +241,22 @@ bool Neighbors::bypassed(const MacAddress& from, wire::NeighborTag self, Time no
   });
 }
 
+/// Silence that is more than a beacon which came late.
+Time Neighbors::doubt(const Neighbor& neighbor) {
+  return std::max(kBeaconsInDoubt * neighbor.interval, kSilenceInDoubt);
+}
+
+bool Neighbors::silent(const MacAddress& address, Time now) const {
+  const Neighbor* neighbor = find(address);
+  return neighbor == nullptr || silent(*neighbor, now);
+}
+
 std::vector<MacAddress> Neighbors::doubtful(Time now) const {
   std::vector<MacAddress> result;
   for (const auto& [address, neighbor] : neighbors_) {
     if (!two_way(neighbor, now) || neighbor.loss_from > kHopeless) continue;
-    const Time doubt = std::max(kBeaconsInDoubt * neighbor.interval, kSilenceInDoubt);
-    const bool silent = now - neighbor.last_heard > doubt;
-    const bool unlisted = now - *neighbor.listed > doubt * neighbor.beacons_per_list;
-    if (silent || unlisted) result.push_back(address);
+    const bool unlisted = now - *neighbor.listed > doubt(neighbor) * neighbor.beacons_per_list;
+    if (silent(neighbor, now) || unlisted) result.push_back(address);
   }
   return result;
 }

@@ -82,7 +82,9 @@ class Neighbors {
   bool all_hear(const MacAddress& robot, wire::BootTag boot, Time now) const;
   /// What `from` sends may reach one of the other neighbours over a robot other than `self`, or at once.
   bool bypassed(const MacAddress& from, wire::NeighborTag self, Time now) const;
-  /// Those that owe a sign of life for some of their beacons, and may only be out of luck.
+  /// It owes a sign of life for some of its beacons; or it is not known.
+  bool silent(const MacAddress& address, Time now) const;
+  /// Those that are silent, or have not named this robot for as long, and may only be out of luck.
   std::vector<MacAddress> doubtful(Time now) const;
   /// Removes and returns those silent for longer than `timeout`, and than they may be.
   std::vector<MacAddress> remove_silent(Time timeout, Time now);
@@ -102,6 +104,8 @@ class Neighbors {
  private:
   static void count_beacon(Neighbor& neighbor, std::uint16_t number);
   Time patience(const Neighbor& neighbor) const { return timings_.allowed_hello_loss * neighbor.interval; }
+  static Time doubt(const Neighbor& neighbor);
+  static bool silent(const Neighbor& neighbor, Time now) { return now - neighbor.last_heard > doubt(neighbor); }
   bool two_way(const Neighbor& neighbor, Time now) const;
   bool fell_silent(const Neighbor& neighbor, Time now) const;
   const Neighbor::Hears* hears(const Neighbor& neighbor, wire::NeighborTag robot, Time now) const;

@@ -33,6 +33,7 @@ class RequestFlood {
   static constexpr std::size_t kMostConfirmations = 6;  ///< unicast copies of one request
   static constexpr std::size_t kFewestHolders = 2;      ///< heard before an own copy is needless
   static constexpr std::size_t kEnoughHolders = 3;      ///< while requests come thick and fast
+  static constexpr std::size_t kEnoughWays = 2;         ///< round a neighbour's link, so that it needs no unicast copy
   static constexpr double kTolerableMiss = 0.1;         ///< of all copies but the own, by a neighbour
   static constexpr int kMostForwards = 2;               ///< of one request: once more when a cheaper copy came late
   static constexpr Time kConfirm = std::chrono::milliseconds(25);
@@ -98,6 +99,8 @@ class RequestFlood {
                                          const Neighbors& neighbors, Time now);
   static bool depends(const MacAddress& neighbor, const std::vector<MacAddress>& all, const Neighbors& neighbors,
                       Time now);
+  static std::size_t ways_round(const MacAddress& neighbor, const std::vector<MacAddress>& all,
+                                const Neighbors& neighbors, Time now);
   static double chance_to_miss(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors,
                                Time now);
 

@@ -55,6 +55,11 @@ const Robot* RobotDirectory::find(const MacAddress& address) const {
   return found == robots_.end() ? nullptr : &found->second;
 }
 
+bool RobotDirectory::has_news_since(const MacAddress& address, Time since) const {
+  const Robot* robot = find(address);
+  return robot != nullptr && robot->last_news > since;
+}
+
 std::optional<MacAddress> RobotDirectory::teller_of(const MacAddress& address) const {
   const Robot* robot = find(address);
   return robot != nullptr && robot->announced && robot->hops > 1 ? robot->teller : std::nullopt;

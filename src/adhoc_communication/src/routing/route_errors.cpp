@@ -1,5 +1,6 @@
 // RERR: telling those who rely on a route that it is gone (RFC 3561 sections 6.11 and 6.12).
 #include <algorithm>
+#include <iterator>
 
 #include "routing/router.hpp"
 
@@ -77,7 +78,11 @@ void Router::send_waiting_errors(Time now) {
   }
 }
 
-void Router::send_error(const wire::RouteError& error, const std::set<MacAddress>& concerned, Time now) {
+/// A silent neighbour has most likely driven away; should it send data all the same, it is told then.
+void Router::send_error(const wire::RouteError& error, std::set<MacAddress> concerned, Time now) {
+  for (auto precursor = concerned.begin(); precursor != concerned.end();) {
+    precursor = neighbors_.silent(*precursor, now) ? concerned.erase(precursor) : std::next(precursor);
+  }
   if (concerned.size() > kMostUnicasts) return outbox_.broadcast(wire::FrameType::kRouteError, to_bytes(error), now);
   for (const MacAddress& precursor : concerned) {
     outbox_.unicast(precursor, wire::FrameType::kRouteError, to_bytes(error));

@@ -95,7 +95,7 @@ class Router {
   bool start_repair(const Route& broken, const MacAddress& originator, Time now);
   void repair_succeeded(const MacAddress& destination, Repair repair, Time now);
   void announce_failed_repair(const MacAddress& destination, Time now);
-  void send_error(const wire::RouteError& error, const std::set<MacAddress>& concerned, Time now);
+  void send_error(const wire::RouteError& error, std::set<MacAddress> concerned, Time now);
   void send_waiting_errors(Time now);
 
   const Identity& self_;

@@ -122,6 +122,25 @@ TEST(Errors, A7_4_ManyPrecursorsAreToldByOneBroadcast) {
   EXPECT_EQ(errors[0].to, wire::kEverybody);
 }
 
+/// Up to eleven frames went to each robot that had driven away.
+TEST(Errors, A7_4_ASilentPrecursorIsNotTold) {
+  Star star;
+  Host& gone = star.neighbor(4);
+  for (Host* precursor : {&star.a, &gone}) {
+    star.say(*precursor, request_for(kFar, *precursor));
+    star.say(star.b, reply_about(kFar, *precursor), star.self().address);
+    star.run_for(5ms);
+  }
+  gone.beacons = gone.acknowledges = false;
+  star.run_for(1200ms);
+  star.forget();
+  star.say(star.b, error_about({{kFar, 50}}));
+  star.run_for(300ms);
+  const auto errors = star.sent<wire::RouteError>();
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(errors[0].to, star.a.address);
+}
+
 TEST(Errors, A7_5_ALostRouteIsKeptInvalidWithItsNumberRaised) {
   Star star;
   Host far = kFar;

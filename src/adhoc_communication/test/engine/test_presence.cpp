@@ -1,6 +1,9 @@
 // Robots appear, fall silent, restart; near and far.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "host.hpp"
 #include "payloads.hpp"
 #include "simulation/team.hpp"
 #include "wire/frame_header.hpp"
@@ -100,6 +103,37 @@ TEST(Presence, A8_2_A13_4_AnIdleTeamSendsBeaconsOnlyAndFewOfThem) {
   team.run_for(60s);
   EXPECT_LE(frames, 3 * 64u) << "one a second";
   EXPECT_LE(static_cast<double>(team.polls() - polls) / 60 / 3, 14.0);  // own beacons and those heard
+}
+
+/// Beacons to a silent neighbour by itself until 4.5 s after the last one of it; `told`: another one tells of it.
+std::size_t questions_to_a_silent_neighbor(bool told) {
+  Stage stage;
+  Host& teller = stage.neighbor(1);
+  Host& silent = stage.neighbor(2, false);
+  silent.announced_interval_ms = 1000;
+  stage.beacon(silent);
+  silent.acknowledges = false;
+  stage.forget();
+  for (std::uint32_t second = 1; second <= 4; ++second) {
+    if (told) {
+      wire::Beacon beacon;
+      beacon.alive = 100 + second;
+      beacon.number = ++teller.beacons_said;
+      beacon.name = teller.name;
+      beacon.rumors.push_back({silent.address, silent.boot(), 100 + second, 1, silent.name});
+      stage.say(teller, beacon);
+    }
+    stage.run_for(1125ms);
+  }
+  const auto beacons = stage.sent<wire::Beacon>();
+  return static_cast<std::size_t>(
+      std::count_if(beacons.begin(), beacons.end(), [&](const auto& beacon) { return beacon.to == silent.address; }));
+}
+
+/// A hundred robots on the move sent a twentieth of all their frames to neighbours that had driven away.
+TEST(Presence, ASilentNeighborIsAskedOnlyIfNobodyTellsOfIt) {
+  EXPECT_GT(questions_to_a_silent_neighbor(false), 0u);
+  EXPECT_EQ(questions_to_a_silent_neighbor(true), 0u);
 }
 
 TEST(Presence, SameSeedSameFrames) {

@@ -78,6 +78,37 @@ TEST_F(RequestCopies, NoneForWhoIsSilentSinceHeHasItFromTwo) {
   EXPECT_EQ(copies, std::set{badly.address}) << "it has missed both with a probability of 0.2, the other one of 0.05";
 }
 
+/// On the move most copies went over links that were fading already, to robots that others had reached.
+TEST_F(RequestCopies, NoneForWhoHearsTwoOthersThatHearThisRobot) {
+  const Host source = make_host(1);
+  const Host silent = make_host(2);
+  const Host third = make_host(3);
+  const Host fourth = make_host(4);
+  meet(source, 0.0);
+  meet(third, 0.1);
+  meet(silent, 0.2, 0.4, third);
+  pass_on(5, far_away, source);
+  EXPECT_EQ(copies, (std::set{silent.address, third.address})) << "one other";
+  copies.clear();
+  broadcasts = 0;
+  meet(fourth, 0.1);
+  meet(silent, 0.2, 0.4, fourth);
+  pass_on(5, far_away, source);
+  EXPECT_EQ(copies, (std::set{third.address, fourth.address})) << "two others";
+}
+
+TEST_F(RequestCopies, ABroadcastIsForOneWithTwoOtherWaysAsWell) {
+  const Host source = make_host(1);
+  const Host next = make_host(2);
+  meet(source, 0.0);
+  for (const Host& other : {make_host(3), make_host(4)}) {
+    meet(other, 0.1, 0.0, source);
+    meet(next, 0.2, 0.2, other);
+  }
+  pass_on(5, far_away, source, 1);
+  EXPECT_TRUE(copies.empty());
+}
+
 TEST_F(RequestCopies, AtTheLastHopForTheDestinationOnly) {
   const Host source = make_host(1);
   const Host destination = make_host(2);
