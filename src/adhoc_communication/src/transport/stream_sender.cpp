@@ -128,15 +128,19 @@ std::vector<SendId> StreamSender::acknowledged(const wire::TransportAcknowledgme
   return finished;
 }
 
-/// The receiver lives and has no room: that is no silence, and nothing of what it has acknowledged counts.
+/// The receiver lives and has no room: that is no silence, and nothing of what it has acknowledged counts. A segment
+/// has arrived all the same and tells which of other packets are lost; none was sent sooner than the first.
 void StreamSender::begin_anew(OutgoingPacket& packet, Time now) {
+  if (const SentSegment& first = packet.segments.front(); first.on_the_way()) {
+    arrivals_.acknowledged(first.sent, first.repeated, now);
+  }
+  progress_ = true;
   forget_sent(packet);
   unstarted_ += packet.started;
   packet.begin_anew();
   ++packet.attempt;
   if (!packet.refused_since) packet.refused_since = now;
   paused_until_ = now + kRoomRetry;
-  silence_.broken(now);
 }
 
 /// When frames of the first packet seem to be longer than something on the way takes.

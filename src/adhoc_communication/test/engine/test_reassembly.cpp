@@ -235,6 +235,22 @@ TEST(Reassembly, ALostRefusalIsToldAgain) {
   EXPECT_TRUE(joined.arrived[0] == *joined.image);
 }
 
+/// Each refusal put off the timer that would have repeated it, and the two waited for one another for a minute.
+TEST(Reassembly, ALostSegmentIsRepeatedWhileALaterPacketWaitsForRoom) {
+  Joined joined;
+  for (const SendId later : {2, 3}) joined.sender.add(later, joined.image, 1000, 0s);
+  joined.pass(89);
+  joined.sender.next_segment(joined.now);  // lost, the last one of the first packet
+  joined.pass(90);
+  joined.acknowledge();
+  for (int round = 0; round < 5; ++round) {
+    joined.pass(90);
+    joined.acknowledge();
+    joined.later(transport::StreamSender::kRoomRetry);
+  }
+  EXPECT_EQ(joined.arrived.size(), 3u);
+}
+
 TEST(Reassembly, ASendWithoutRoomFailsAfterAMinute) {
   Joined joined;
   std::vector<transport::StreamSender::GivenUp> given_up;
