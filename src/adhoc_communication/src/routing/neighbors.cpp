@@ -232,8 +232,8 @@ bool Neighbors::bypassed(const MacAddress& from, wire::NeighborTag self, Time no
     return hears(other, robot, now) != nullptr;
   };
   return std::any_of(neighbors_.begin(), neighbors_.end(), [&](const auto& item) {
-    const auto& [address, other] = item;
-    if (address == from || !two_way(other, now)) return false;
+    const Neighbor& other = item.second;
+    if (item.first == from || !two_way(other, now)) return false;
     if (reaches(other, wire::neighbor_tag(sender->boot))) return true;
     return std::any_of(other.hears.begin(), other.hears.end(), [&](const auto& heard) {
       return heard.first != self && reaches(other, heard.first) && reaches(*sender, heard.first);
