@@ -1,15 +1,10 @@
 """What of a map is taken for another robot: small isolated obstacles only, wherever the robot says it is."""
 
 import math
-from typing import List, Tuple
 
-import cv2
 import numpy as np
 from conftest import map_of
-from hypothesis import given
-from hypothesis import strategies as st
 
-from explorer.traces import LARGEST_ROBOT_RADIUS, extent_of, reach_of, robot_traces
 from explorer.travel import TravelGrid
 from explorer.ways import Ways
 
@@ -41,38 +36,10 @@ def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
     assert math.isinf(TravelGrid(occupancy, 0.25, 0.6, robots=[(4.0, 2.0)]).field_from(1.5, 2.0).at(4.5, 2.0))
 
 
-cells_and_places = st.tuples(
-    st.lists(st.tuples(st.integers(0, 59), st.integers(0, 59), st.integers(1, 12), st.integers(1, 12)), max_size=12),
-    st.lists(st.tuples(st.floats(-1.5, 4.5), st.floats(-1.5, 4.5)), max_size=3),
-)
-
-
-@given(cells_and_places)
-def test_the_rule_holds_wherever_a_robot_is(
-    given_: Tuple[List[Tuple[int, int, int, int]], List[Tuple[float, float]]],
-) -> None:
-    boxes, places = given_
-    cells = np.zeros((60, 60), dtype=np.int8)
-    for row, col, height, width in boxes:
-        cells[row : row + height, col : col + width] = 100
-    occupancy = map_of(cells, 0.05)
-    count, labels = cv2.connectedComponents((cells > 0).astype(np.uint8), connectivity=8)
-    expected = np.zeros_like(cells, dtype=bool)
-    for label in range(1, count):
-        found = np.argwhere(labels == label)
-        middle = occupancy.info.centres_of(found).mean(axis=0)
-        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= extent_of(LARGEST_ROBOT_RADIUS) + 1e-9
-        if small and any(math.dist(middle, place) <= reach_of(LARGEST_ROBOT_RADIUS) for place in places):
-            expected[labels == label] = True
-    assert (robot_traces(occupancy.occupied, occupancy.info, places) == expected).all()
-
-
 def test_how_large_a_trace_may_be_follows_the_largest_robot_of_the_team() -> None:
     cells = np.zeros((80, 80), dtype=np.int8)
     cells[30:50, 30:50] = 100  # 1 m across
     occupancy, places = map_of(cells, 0.05), [(2.0, 2.3)]
-    assert not robot_traces(occupancy.occupied, occupancy.info, places).any()
-    assert robot_traces(occupancy.occupied, occupancy.info, places, radius=0.4).sum() == 400
     ground = TravelGrid(occupancy, 0.25, 0.6).ground
     assert Ways(occupancy, 0.25, places).grid.ground.count == ground.count
     assert Ways(occupancy, 0.25, places, largest=0.4).grid.ground.count == cells.size

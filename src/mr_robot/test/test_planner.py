@@ -14,7 +14,7 @@ from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
 from mr_robot.navigation.driven import DrivenGround
 from mr_robot.navigation.options import NavigationOptions
-from mr_robot.navigation.planner import CostMap, Plan, path, plan, robot_extent, robot_reach, without_robots
+from mr_robot.navigation.planner import CostMap, Plan, path, plan, without_robots
 
 OPTIONS = NavigationOptions()
 RADIUS = OPTIONS.largest_robot_radius
@@ -240,43 +240,12 @@ def test_what_a_laser_saw_of_a_robot_is_forgotten() -> None:
     assert (grid.cells == cells).all(), "the map itself stays as it is"
 
 
-@given(
-    st.lists(st.tuples(st.integers(0, 59), st.integers(0, 59), st.integers(1, 12), st.integers(1, 12)), max_size=12),
-    st.lists(st.tuples(st.floats(-1.5, 4.5), st.floats(-1.5, 4.5)), max_size=3),
-)
-def test_the_rule_holds_wherever_a_robot_is(
-    boxes: List[Tuple[int, int, int, int]], positions: List[Tuple[float, float]]
-) -> None:
-    cells = np.zeros((SIZE, SIZE), np.int8)
-    for row, column, height, width in boxes:
-        cells[row : row + height, column : column + width] = 100
-    grid = OccupancyGrid.of(cells, 0.05, Pose(0.3, -0.2))
-    count, labels = cv2.connectedComponents((cells > 50).astype(np.uint8), connectivity=8)
-    expected = cells.copy()
-    for label in range(1, count):
-        found = np.argwhere(labels == label)
-        small = (np.ptp(found, axis=0).max() + 1) * 0.05 <= robot_extent(RADIUS) + 1e-9
-        if small and any(
-            math.dist(grid.info.centre_of(*found.mean(axis=0)), p) <= robot_reach(RADIUS) for p in positions
-        ):
-            expected[labels == label] = 0
-    assert (without_robots(grid, positions, RADIUS).cells == expected).all()
-
-
 def test_a_map_without_traces_of_robots_is_not_copied() -> None:
     """Positions come twice a second from each robot; copies and what follows from them took a sixth of navigation."""
     cells = np.zeros((80, 80), np.int8)
     cells[:, 0] = 100
     grid = OccupancyGrid.of(cells, 0.05)
     assert without_robots(grid, [(2.0, 2.0), (0.3, 2.0)], RADIUS) is grid
-
-
-def test_how_large_a_trace_may_be_follows_the_largest_robot_of_the_team() -> None:
-    cells = np.zeros((80, 80), np.int8)
-    cells[30:50, 30:50] = 100  # 1 m across
-    grid = OccupancyGrid.of(cells, 0.05)
-    assert (without_robots(grid, [(2.0, 2.3)], RADIUS).cells == cells).all()
-    assert not without_robots(grid, [(2.0, 2.3)], 0.4).cells.any()
 
 
 def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:

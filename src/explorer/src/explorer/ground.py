@@ -9,8 +9,11 @@ from explorer._kernels import cells_near, distances_to, pooled_maximum
 from explorer.changes import Window, aligned, blocks, changed_windows, grown, within
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
-from explorer.traces import LARGEST_ROBOT_RADIUS, robot_traces
 from mr_grid import FREE
+from mr_grid.robot_traces import cells_without_robots
+
+# From the centre of the largest robot of the team to its farthest corner, in metres, unless a parameter says otherwise.
+LARGEST_ROBOT_RADIUS = 0.29
 
 # A comfortable place is this much farther from unknown cells than a robot has to be from obstacles, in metres.
 UNKNOWN_ROOM = 0.05
@@ -91,7 +94,7 @@ class Ground:
         """`robots`: places of the others in metres; the small isolated obstacles that the map shows there are taken for
         them. `former`: of any earlier map; only what has changed since is computed, and without a change it is returned
         itself. `largest`: radius of the largest robot of the team in metres."""
-        cells = _without_robots(occupancy, robots, largest)
+        cells = cells_without_robots(occupancy, robots, largest, OccupancyMap.OCCUPIED_FROM)
         changed = None
         if former is not None and (former.radius, former.occupancy.info) == (radius, occupancy.info):
             changed = changed_windows(former._cells, cells)
@@ -132,8 +135,3 @@ class Ground:
         layers = Layers(occupied, fits, allowed, allowed | (fits & unknown))
         part = _Part(layers, clearance, ~cells_near(unknown, resolution, self.radius + UNKNOWN_ROOM))
         return part.cut(within(window, outer))
-
-
-def _without_robots(occupancy: OccupancyMap, robots: Sequence[Position], largest: float) -> np.ndarray:
-    traces = robot_traces(occupancy.occupied, occupancy.info, robots, largest)
-    return np.where(traces, np.int8(FREE), occupancy.cells) if traces.any() else occupancy.cells

@@ -15,7 +15,7 @@ from explorer.frontiers import Frontier
 from explorer.grid import OccupancyMap
 from explorer.recognition import Listed
 from explorer.scene import Scene
-from explorer.traces import LARGEST_ROBOT_RADIUS
+from explorer.ground import LARGEST_ROBOT_RADIUS
 from explorer.ways import Ways
 from mr_grid import GridInfo, Pose
 

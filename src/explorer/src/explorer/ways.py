@@ -7,9 +7,8 @@ import numpy as np
 
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
-from explorer.ground import Ground
+from explorer.ground import LARGEST_ROBOT_RADIUS, Ground
 from explorer.tour import ways_between
-from explorer.traces import LARGEST_ROBOT_RADIUS
 from explorer.travel import CostField, TravelGrid, factor_for
 
 COMFORT = 0.35  # m more than the robot has to keep from obstacles: cells that are nearer cost more

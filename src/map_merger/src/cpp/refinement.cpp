@@ -54,7 +54,8 @@ Motion step_of(const std::vector<Pair>& pairs, double reach) {
 }  // namespace
 
 std::ptrdiff_t partner_of(const SurfaceIndex& target, const OrientedPoint& query, double reach) {
-  const std::ptrdiff_t number = target.nearest(query, std::hypot(reach, target.normal_weight() * kSameFacingGap));
+  const double gap = target.normal_weight() * kSameFacingGap;
+  const std::ptrdiff_t number = target.nearest(query, std::sqrt(reach * reach + gap * gap));
   if (number < 0) return -1;
   const OrientedPoint& found = target[number];
   const double x = query.x - found.x, y = query.y - found.y;

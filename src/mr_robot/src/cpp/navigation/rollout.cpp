@@ -28,31 +28,30 @@ std::vector<Heading> turn(double yaw, double angular, double target, const Limit
   return headings;
 }
 
-// Poses after each step, the last of them within the goal's radius if it comes there.
-struct Motion {
-  std::vector<Pose> poses;
+// Where a motion ends: after its last step, or within the goal's radius if it comes there.
+struct End {
+  Pose pose;
   double arrived = -1.0;  // s, when it came to the goal
 };
 
-Motion drive(const Field* field, Pose pose, double linear, double target, const std::vector<Heading>& headings,
-             const Limits& limits, const Horizon& horizon) {
-  Motion motion;
-  motion.poses.reserve(headings.size());
+// Gives `visit` the pose after each step.
+template <typename Visit>
+End drive(const Field* field, Pose pose, double linear, double target, const std::vector<Heading>& headings,
+          const Limits& limits, const Horizon& horizon, Visit visit) {
   const double near = horizon.goal_radius * horizon.goal_radius;
+  int steps = 0;
   for (const Heading& heading : headings) {
     linear = approach(linear, target, limits.linear_acceleration * horizon.step);
     pose.x += linear * horizon.step * heading.cosine;
     pose.y += linear * horizon.step * heading.sine;
     pose.yaw = heading.yaw;
-    motion.poses.push_back(pose);
+    visit(pose);
+    ++steps;
     if (field == nullptr) continue;
     const double dx = pose.x - field->goal_x, dy = pose.y - field->goal_y;
-    if (dx * dx + dy * dy < near) {
-      motion.arrived = static_cast<double>(motion.poses.size()) * horizon.step;
-      break;
-    }
+    if (dx * dx + dy * dy < near) return {pose, steps * horizon.step};
   }
-  return motion;
+  return {pose};
 }
 
 // How far a motion touches nothing, and the least clearance with margins on that way.
@@ -61,14 +60,14 @@ struct ClearWay {
   double nearest = kUnreached;
 };
 
-ClearWay clear_poses(const Motion& motion, const Velocity& target, const std::vector<Obstacle>& obstacles,
+ClearWay clear_poses(const std::vector<Pose>& poses, const Velocity& target, const std::vector<Obstacle>& obstacles,
                      const Clearance& at_start, const Footprint& footprint, double slack) {
   // From inside a margin only ways that lead no deeper are open.
   const double least = std::min(0.0, at_start.with_margins - kSlack);
   const double least_bare = least_clearance(at_start.bare, slack);
   ClearWay way;
   double before = at_start.bare;
-  for (const Pose& pose : motion.poses) {
+  for (const Pose& pose : poses) {
     const Clearance now = clearance(pose, std::abs(target.linear), obstacles, footprint);
     // Margins grow with speed; a motion that leads away may have it all the same, or no way out would be open.
     const bool leads_away = now.bare > before;
@@ -81,22 +80,21 @@ ClearWay clear_poses(const Motion& motion, const Velocity& target, const std::ve
 }
 
 // The least clearance with margins on the way; nothing if the motion touches something.
-std::optional<double> way_clearance(const Motion& motion, const Velocity& target,
+std::optional<double> way_clearance(const std::vector<Pose>& poses, const Velocity& target,
                                     const std::vector<Obstacle>& obstacles, const Clearance& at_start,
                                     const Footprint& footprint, double slack) {
-  const ClearWay way = clear_poses(motion, target, obstacles, at_start, footprint, slack);
-  if (way.count < motion.poses.size()) return std::nullopt;
+  const ClearWay way = clear_poses(poses, target, obstacles, at_start, footprint, slack);
+  if (way.count < poses.size()) return std::nullopt;
   return way.nearest;
 }
 
-double time_left(const Field& field, const Motion& motion, const Limits& limits, const Horizon& horizon) {
-  if (motion.arrived >= 0.0) return motion.arrived;
-  const Pose& end = motion.poses.back();
-  const double cost = cost_at(field, end.x, end.y);
+double time_left(const Field& field, const End& end, const Limits& limits, const Horizon& horizon) {
+  if (end.arrived >= 0.0) return end.arrived;
+  const double cost = cost_at(field, end.pose.x, end.pose.y);
   if (!std::isfinite(cost)) return kUnreached;
   double time = horizon.duration + cost * field.resolution / limits.linear;
-  if (const auto direction = downhill(field, end.x, end.y)) {
-    const double error = std::abs(std::remainder(*direction - end.yaw, 2.0 * M_PI));
+  if (const auto direction = downhill(field, end.pose.x, end.pose.y)) {
+    const double error = std::abs(std::remainder(*direction - end.pose.yaw, 2.0 * M_PI));
     time += kHeadingWeight * error / limits.angular;
   }
   return time;
@@ -167,7 +165,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
   constexpr int kTurns = 12;  // to each side
   struct Candidate {
     Velocity target;
-    Motion motion;
+    const std::vector<Heading>* headings;
     double time;
   };
   std::vector<double> rates;
@@ -183,10 +181,10 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
     for (std::size_t i = 0; i < rates.size(); ++i) {
       const Velocity target{linear, rates[i]};
       if (linear > 0.0 && std::abs(rates[i]) > limits.curvature * linear) continue;
-      Motion motion = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon);
-      double time = time_left(field, motion, limits, horizon);
+      const End end = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon, [](const Pose&) {});
+      double time = time_left(field, end, limits, horizon);
       time += kSteadiness * std::abs(target.angular - velocity.angular);
-      if (time < kUnreached) candidates.push_back({target, std::move(motion), time});
+      if (time < kUnreached) candidates.push_back({target, &headings[i], time});
     }
   }
   // Whether a motion touches something takes longest to find out, so the best ones are asked first.
@@ -194,9 +192,12 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
                    [](const Candidate& a, const Candidate& b) { return a.time < b.time; });
   Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
+  std::vector<Pose> poses;
   for (const Candidate& candidate : candidates) {
-    const auto nearest =
-        way_clearance(candidate.motion, candidate.target, obstacles, at_start, footprint, horizon.slack);
+    poses.clear();
+    drive(&field, pose, velocity.linear, candidate.target.linear, *candidate.headings, limits, horizon,
+          [&](const Pose& reached) { poses.push_back(reached); });
+    const auto nearest = way_clearance(poses, candidate.target, obstacles, at_start, footprint, horizon.slack);
     if (!nearest) continue;
     best.time = candidate.time;
     best.target = candidate.target;
@@ -214,8 +215,10 @@ bool is_clear(const Pose& pose, const Velocity& velocity, const Velocity& target
               const Horizon& horizon) {
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
   const auto headings = turn(pose.yaw, velocity.angular, target.angular, limits, horizon);
-  const Motion motion = drive(nullptr, pose, velocity.linear, target.linear, headings, limits, horizon);
-  return way_clearance(motion, target, obstacles, at_start, footprint, horizon.slack).has_value();
+  std::vector<Pose> poses;
+  drive(nullptr, pose, velocity.linear, target.linear, headings, limits, horizon,
+        [&](const Pose& reached) { poses.push_back(reached); });
+  return way_clearance(poses, target, obstacles, at_start, footprint, horizon.slack).has_value();
 }
 
 }  // namespace mr_robot::navigation

@@ -7,11 +7,12 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
-from mr_grid.imaging import parts_of
+from mr_grid.robot_traces import cells_without_robots
 from mr_robot import _navigation
 from mr_robot.navigation.driven import DrivenGround
 from mr_robot.navigation.options import REACH, NavigationOptions
 
+OCCUPIED_FROM = 51  # value of a cell
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
 # Of a cell where the body fits through and has no margin, and around a robot that stands in its margin.
 NARROW_COST = 2.0 * NEAR_WALL_COST
@@ -96,7 +97,7 @@ class CostMap:
             fits = self.wall_distance >= self.options.half_width
             rows, columns = self._driven.cells_of(self.grid.info).T
             fits[rows, columns] = True
-            fits &= (self.grid.cells <= 50) & ~np.isfinite(self._of_walls)
+            fits &= (self.grid.cells < OCCUPIED_FROM) & ~np.isfinite(self._of_walls)
             if not self.options.allow_unknown:
                 fits &= self.grid.cells >= 0
             self._narrow = np.where(fits, np.float32(NARROW_COST), self._of_walls)
@@ -119,7 +120,7 @@ class CostMap:
         top, left = max(0, row - reach), max(0, column - reach)
         slowness = slowness.copy()
         window = slowness[top : row + reach + 1, left : column + reach + 1]
-        walls = self.grid.cells[top : row + reach + 1, left : column + reach + 1] > 50
+        walls = self.grid.cells[top : row + reach + 1, left : column + reach + 1] >= OCCUPIED_FROM
         inside = obstacles - (top, left)
         inside = inside[((inside >= 0) & (inside < window.shape)).all(axis=1)]
         walls[inside[:, 0], inside[:, 1]] = True
@@ -152,40 +153,10 @@ def _grown(window: Window, reach: int, shape: Tuple[int, ...]) -> Tuple[Window, 
     return (larger[0], larger[1]), (inner[0], inner[1])
 
 
-def robot_reach(radius: float) -> float:
-    """The middle of what a laser saw of a robot of that radius lies this near to its reported position, m."""
-    return round(radius + 0.16, 3)
-
-
-def robot_extent(radius: float) -> float:
-    """Obstacles larger than this, with all that touches them, are walls, however near a robot of that radius is, m."""
-    return round(2.0 * radius + 0.22, 3)
-
-
 def without_robots(grid: OccupancyGrid, positions: List[Tuple[float, float]], radius: float) -> OccupancyGrid:
     """The grid without the small isolated obstacles where robots stand; itself where there are none. `radius`: of the
-    largest, m. `explorer` has the same rule."""
-    cells = grid.cells
-    # An obstacle that is small and near enough lies wholly in the window, so one cut off at its edge is never taken.
-    most_apart, largest = robot_reach(radius), robot_extent(radius)
-    reach = int((most_apart + largest) / grid.resolution) + 2
-    for x, y in positions:
-        row, column = grid.info.cell_of(x, y)
-        top, left = max(0, row - reach), max(0, column - reach)
-        window = cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
-        if not (window > 50).any():
-            continue
-        parts = parts_of(window > 50)
-        middles_x = grid.origin[0] + (parts.middles[:, 0] + left + 0.5) * grid.resolution
-        middles_y = grid.origin[1] + (parts.middles[:, 1] + top + 0.5) * grid.resolution
-        near = np.hypot(middles_x - x, middles_y - y) <= most_apart
-        robots = near & (parts.extents() * grid.resolution <= largest + 1e-9)
-        robots[0] = False  # the ground between the obstacles
-        if robots.any():
-            if cells is grid.cells:
-                cells = cells.copy()
-                window = cells[top : max(0, row + reach + 1), left : max(0, column + reach + 1)]
-            window[robots[parts.labels]] = 0
+    largest, m."""
+    cells = cells_without_robots(grid, positions, radius, OCCUPIED_FROM)
     return grid if cells is grid.cells else OccupancyGrid(grid.info, cells)
 
 

@@ -1,0 +1,142 @@
+// Python module mr_grid._robot_traces: what an occupancy grid shows of robots.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace py = pybind11;
+
+namespace {
+
+using Array = py::array_t<std::int8_t, py::array::c_style | py::array::forcecast>;
+using Place = std::pair<double, double>;  // x, y in m
+
+struct Cell {
+  int row, column;
+};
+
+struct Grid {
+  const std::int8_t* cells;
+  int rows, columns;
+  int occupied_from;
+  double resolution;  // m
+  Place origin;       // m
+
+  bool occupied(int row, int column) const {
+    return cells[static_cast<std::size_t>(row) * columns + column] >= occupied_from;
+  }
+};
+
+// Where obstacles that may be a robot lie wholly: one cut off at the edge is too large or too far away.
+struct Window {
+  int top, left, bottom, right;  // without the last two
+
+  int width() const { return std::max(0, right - left); }
+  int height() const { return std::max(0, bottom - top); }
+};
+
+// Takes the obstacles of a window one by one, each of cells that hang together (8 neighbours).
+class Obstacles {
+ public:
+  Obstacles(const Grid& grid, const Window& window)
+      : grid_(grid), window_(window), taken_(static_cast<std::size_t>(window.width()) * window.height()) {}
+
+  // The cells of the obstacle that has this one; none where there is none, or when it was taken before.
+  const std::vector<Cell>& take(int row, int column) {
+    cells_.clear();
+    reach(row, column);
+    for (std::size_t next = 0; next < cells_.size(); ++next) {
+      const Cell cell = cells_[next];
+      for (int r = cell.row - 1; r <= cell.row + 1; ++r) {
+        for (int c = cell.column - 1; c <= cell.column + 1; ++c) reach(r, c);
+      }
+    }
+    return cells_;
+  }
+
+ private:
+  void reach(int row, int column) {
+    if (row < window_.top || row >= window_.bottom || column < window_.left || column >= window_.right) return;
+    if (!grid_.occupied(row, column)) return;
+    std::uint8_t& taken = taken_[static_cast<std::size_t>(row - window_.top) * window_.width() + column - window_.left];
+    if (taken == 0) cells_.push_back({row, column});
+    taken = 1;
+  }
+
+  const Grid& grid_;
+  Window window_;
+  std::vector<std::uint8_t> taken_;
+  std::vector<Cell> cells_;
+};
+
+bool is_robot(const std::vector<Cell>& cells, const Grid& grid, const Place& place, double most_apart, double largest) {
+  if (cells.empty()) return false;
+  Cell low = cells.front(), high = low;
+  double rows = 0.0, columns = 0.0;
+  for (const Cell& cell : cells) {
+    low = {std::min(low.row, cell.row), std::min(low.column, cell.column)};
+    high = {std::max(high.row, cell.row), std::max(high.column, cell.column)};
+    rows += cell.row;
+    columns += cell.column;
+  }
+  const int extent = std::max(high.row - low.row, high.column - low.column) + 1;
+  if (extent * grid.resolution > largest + 1e-9) return false;
+  const double count = static_cast<double>(cells.size());
+  const double x = grid.origin.first + (columns / count + 0.5) * grid.resolution;
+  const double y = grid.origin.second + (rows / count + 0.5) * grid.resolution;
+  return std::hypot(x - place.first, y - place.second) <= most_apart;
+}
+
+Window around(const Place& place, const Grid& grid, int reach) {
+  // Bounded before it becomes an integer: a place may be anywhere, and nowhere.
+  const auto cell = [&](double along, double from, int count) {
+    const double least = -1.0 - reach, most = 1.0 * count + reach, number = std::floor((along - from) / grid.resolution);
+    return static_cast<int>(std::isnan(number) ? least : std::clamp(number, least, most));
+  };
+  const int row = cell(place.second, grid.origin.second, grid.rows);
+  const int column = cell(place.first, grid.origin.first, grid.columns);
+  return {std::max(0, row - reach), std::max(0, column - reach), std::min(grid.rows, row + reach + 1),
+          std::min(grid.columns, column + reach + 1)};
+}
+
+py::array_t<std::int64_t> find(const Array& cells, int occupied_from, double resolution, const Place& origin,
+                               const std::vector<Place>& places, double most_apart, double largest) {
+  if (cells.ndim() != 2) throw std::invalid_argument("cells of shape (rows, columns) are needed");
+  const Grid grid{cells.data(),  static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)),
+                  occupied_from, resolution,                       origin};
+  const int reach = static_cast<int>((most_apart + largest) / resolution) + 2;
+  std::vector<Cell> found;
+  for (const Place& place : places) {
+    const Window window = around(place, grid, reach);
+    Obstacles obstacles(grid, window);
+    for (int row = window.top; row < window.bottom; ++row) {
+      for (int column = window.left; column < window.right; ++column) {
+        if (!grid.occupied(row, column)) continue;
+        const std::vector<Cell>& obstacle = obstacles.take(row, column);
+        if (is_robot(obstacle, grid, place, most_apart, largest)) {
+          found.insert(found.end(), obstacle.begin(), obstacle.end());
+        }
+      }
+    }
+  }
+  py::array_t<std::int64_t> result({static_cast<py::ssize_t>(found.size()), py::ssize_t{2}});
+  auto at = result.mutable_unchecked<2>();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    at(i, 0) = found[i].row;
+    at(i, 1) = found[i].column;
+  }
+  return result;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_robot_traces, module) {
+  module.def("find", &find, py::arg("cells"), py::arg("occupied_from"), py::arg("resolution"), py::arg("origin"),
+             py::arg("places"), py::arg("most_apart"), py::arg("largest"));
+}
