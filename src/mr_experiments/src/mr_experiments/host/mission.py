@@ -245,10 +245,14 @@ class Mission:
             return True
         if not self._survivors:
             return not any(robot.running for robot in self.robots)
-        agents = [robot.explorer.agent for robot in self._survivors]
-        if any(agent.finished_at is None for agent in agents):
-            return False
-        last = max(agent.finished_at for agent in agents if agent.finished_at is not None)
+        last = -math.inf
+        agents = []
+        for robot in self._survivors:
+            agent = robot.explorer.agent
+            if agent.finished_at is None:
+                return False
+            agents.append(agent)
+            last = max(last, agent.finished_at)
         return all(agent.state == State.FINISHED for agent in agents) or self.now - last > HOME_PATIENCE
 
     @property

@@ -28,7 +28,7 @@ constexpr double kSameWay = 0.8;         // cosine
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y; }
 double cross(const Point& a, const Point& b) { return a.x * b.y - a.y * b.x; }
 Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y}; }
-double norm(const Point& a) { return std::hypot(a.x, a.y); }
+double norm(const Point& a) { return length_of(a.x, a.y); }
 
 struct Line {
   Point through;
@@ -128,7 +128,7 @@ std::optional<Edge> edge_of(const std::vector<Point>& chain, std::size_t first, 
     deviation = kOfHit / std::sqrt(static_cast<double>(first));
   }
   const Point place{line->through.x + end * line->along.x, line->through.y + end * line->along.y};
-  return Edge{place, line->along, normal, std::hypot(deviation, kNoise)};
+  return Edge{place, line->along, normal, length_of(deviation, kNoise)};
 }
 
 // Where the surface seen by the beam ends because the beam beside it, `next`, passes it by. Of a wall seen from beyond
@@ -153,7 +153,7 @@ std::optional<Edge> edge_at(const Scan& scan, std::size_t index, std::size_t nex
 
 bool same_edge(const Edge& a, const Edge& b, double reach) {
   const Point apart = minus(a.place, b.place);
-  return std::hypot(apart.x, apart.y) < reach && dot(a.off, b.off) > kSameWay && dot(a.normal, b.normal) > kSameWay;
+  return length_of(apart.x, apart.y) < reach && dot(a.off, b.off) > kSameWay && dot(a.normal, b.normal) > kSameWay;
 }
 
 bool same_end(const Edge& a, const Edge& b, double reach) {

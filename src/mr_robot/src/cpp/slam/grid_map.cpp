@@ -289,7 +289,7 @@ void GridMap::free_footprint(const Pose& robot) {
   for (int y = low.y; y <= high.y; ++y) {
     for (int x = low.x; x <= high.x; ++x) {
       const double center_x = (x + 0.5) * options_.resolution, center_y = (y + 0.5) * options_.resolution;
-      if (std::hypot(center_x - robot.x, center_y - robot.y) > options_.free_radius) continue;
+      if (length_of(center_x - robot.x, center_y - robot.y) > options_.free_radius) continue;
       if (touched_[index_of({x, y})] != 2 * scan_number_) change_odds({x, y}, -free_step_);
     }
   }

@@ -17,7 +17,7 @@ void KeptHits::add(const Scan& scan, const Pose& pose) {
     const Point end = frame * beam->end, normal = frame.turned(beam->normal);
     hits.push_back({static_cast<float>(end.x), static_cast<float>(end.y), static_cast<float>(normal.x),
                     static_cast<float>(normal.y)});
-    reach_ = std::max(reach_, std::hypot(end.x, end.y));
+    reach_ = std::max(reach_, length_of(end.x, end.y));
   }
 }
 

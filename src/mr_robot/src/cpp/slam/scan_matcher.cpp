@@ -182,7 +182,7 @@ Pose search(const GridMap& map, const std::vector<const Beam*>& beams, const Pos
   const std::size_t stride = std::max<std::size_t>(4, beams.size() / kMostSearched);
   double far = 0.0;  // m from the robot, of the hits
   for (std::size_t i = 0; i < beams.size(); i += stride) {
-    far = std::max(far, std::hypot(beams[i]->end.x, beams[i]->end.y));
+    far = std::max(far, length_of(beams[i]->end.x, beams[i]->end.y));
   }
   const Cell low = map.cell_of({center.x - far, center.y - far}), high = map.cell_of({center.x + far, center.y + far});
   const int margin = steps + 1;

@@ -78,7 +78,7 @@ double view_of(const Scan& scan, const Segment& segment) {
 // What takes up more than half a turn is around the laser, not beside it: walls of a room, near as their ends may be.
 bool is_small(const Scan& scan, const Segment& segment, double size) {
   const Beam &first = scan.beams[segment.first], &last = beam_at(scan.beams, segment.last);
-  return first.hit && std::hypot(first.end.x - last.end.x, first.end.y - last.end.y) < size &&
+  return first.hit && length_of(first.end.x - last.end.x, first.end.y - last.end.y) < size &&
          view_of(scan, segment) < M_PI;
 }
 
@@ -86,7 +86,7 @@ bool is_small(const Scan& scan, const Segment& segment, double size) {
 bool touches(const Scan& scan, const Segment& segment, double size) {
   for (std::size_t i = segment.first; i <= segment.last; ++i) {
     const Point& end = beam_at(scan.beams, i).end;
-    if (std::hypot(end.x, end.y) < kTouching * size) return true;
+    if (length_of(end.x, end.y) < kTouching * size) return true;
   }
   return false;
 }

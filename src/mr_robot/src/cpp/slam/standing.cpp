@@ -80,7 +80,7 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
         normalized(std::atan2(end.y, end.x) - middle) / geometry.angle_increment + 0.5 * static_cast<double>(size - 1);
     const auto other = std::lround(at);
     if (other < 0 || other >= static_cast<long>(size)) continue;
-    const double then = ranges_[beam.index], expected = std::hypot(end.x, end.y);
+    const double then = ranges_[beam.index], expected = length_of(end.x, end.y);
     // What motion takes out of reach says nothing of motion: of a short view that is much of all.
     if (expected >= geometry.range_max - 1e-3) continue;
     if (hidden(static_cast<long>(beam.index), then) || hidden(other, expected)) continue;

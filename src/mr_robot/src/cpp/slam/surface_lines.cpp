@@ -40,7 +40,7 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
   if (center == nullptr) return {};
   const Cell cell = map.cell_of({center->x, center->y});
   Line line;
-  line.distance = std::hypot(point.x - center->x, point.y - center->y);
+  line.distance = length_of(point.x - center->x, point.y - center->y);
   double hits = 0.0, scans = 0.0;
   map.visit_surfaces(around(cell, -kNeighbours), around(cell, kNeighbours), [&](const Surface& surface) {
     if (!same_side(surface, normal) || (surface.origin <= long_ago) != (center->origin <= long_ago)) return;
@@ -51,7 +51,7 @@ Line line_near(const GridMap& map, const Point& point, const Point& normal, doub
     line.normal.x += surface.hits * surface.normal_x;
     line.normal.y += surface.hits * surface.normal_y;
   });
-  const double length = std::hypot(line.normal.x, line.normal.y);
+  const double length = length_of(line.normal.x, line.normal.y);
   line.through = {line.through.x / hits, line.through.y / hits};
   line.normal = {line.normal.x / length, line.normal.y / length};
   const double maturity = std::clamp((scans / hits - 1.0) / (kMatureScans - 1.0), 0.0, 1.0);

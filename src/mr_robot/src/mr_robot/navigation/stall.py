@@ -43,14 +43,16 @@ class StallWatch:
         self._pose_times.append(now)
         self._poses.append(pose)
         _shorten(self._pose_times, self._poses)
-        return any(self._stands(now, pose, window) for window in WINDOWS)
+        asked = self._asked_until(now - self._latency)
+        return any(self._stands(now, pose, window, asked) for window in WINDOWS)
 
-    def _stands(self, now: float, pose: Pose, window: float) -> bool:
+    def _stands(self, now: float, pose: Pose, window: float, asked: Asked) -> bool:
         index = bisect_left(self._pose_times, now - window - 1e-6)
         since, before = self._pose_times[index], self._poses[index]
         if now - since < window - 0.15:
             return False
-        way, turn, all_ways, all_turns = self._commanded(since - self._latency, now - self._latency)
+        begun = self._asked_until(since - self._latency)
+        way, turn, all_ways, all_turns = (b - a for a, b in zip(begun, asked))
         if abs(turn) > math.pi:
             return False  # poses do not tell how often a robot turned
         turned = math.remainder(pose[2] - before[2], 2.0 * math.pi)
@@ -59,12 +61,6 @@ class StallWatch:
         if abs(way) >= PROGRESS:
             return stands and (still or abs(turn) < LEAST_TURN)
         return abs(turn) >= LEAST_TURN and still
-
-    def _commanded(self, start: float, end: float) -> Asked:
-        """What the commands between two times ask for."""
-        before, after = self._asked_until(start), self._asked_until(end)
-        way, turn, all_ways, all_turns = (b - a for a, b in zip(before, after))
-        return way, turn, all_ways, all_turns
 
     def _asked_until(self, time: float) -> Asked:
         if not self._commands:
