@@ -97,6 +97,7 @@ def surroundings(
     angle_increment: float = ...,
     mount: _Pose = ...,
 ) -> np.ndarray: ...
+def outside(pose: _Pose, obstacles: np.ndarray, footprint: Footprint) -> np.ndarray: ...
 def choose_velocity(
     cost: np.ndarray,
     resolution: float,

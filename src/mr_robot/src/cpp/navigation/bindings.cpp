@@ -258,6 +258,13 @@ PYBIND11_MODULE(_navigation, module) {
       py::arg("margins"), py::arg("reach"), py::arg("ranges") = Doubles(0), py::arg("angle_min") = 0.0,
       py::arg("angle_increment") = 1.0, py::arg("mount") = Triple(0.0, 0.0, 0.0),
       "Obstacles near the robot, rows (x, y, margin, reaction time).");
+  module.def(
+      "outside",
+      [](const Triple& pose, const Doubles& obstacles, const Footprint& footprint) {
+        return to_rows(outside(to_obstacles(obstacles), to_pose(pose), footprint));
+      },
+      py::arg("pose"), py::arg("obstacles"), py::arg("footprint"),
+      "Of obstacles (n, 4) those that are not inside the body.");
   module.def("choose_velocity", &choose_velocity, py::arg("cost"), py::arg("resolution"), py::arg("origin"),
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),
              py::arg("footprint"), py::arg("horizon"), py::arg("period"),

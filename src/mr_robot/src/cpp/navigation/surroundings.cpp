@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace mr_robot::navigation {
@@ -344,6 +345,18 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
     nearest.add({wall.place.x, wall.place.y, wall.foreign ? margins.foreign : margins.wall, 0.0});
   }
   return nearest.all();
+}
+
+std::vector<Obstacle> outside(const std::vector<Obstacle>& obstacles, const Pose& pose, const Footprint& footprint) {
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  std::vector<Obstacle> result;
+  result.reserve(obstacles.size());
+  std::copy_if(obstacles.begin(), obstacles.end(), std::back_inserter(result), [&](const Obstacle& obstacle) {
+    const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y;
+    return std::abs(c * dx + s * dy) - footprint.half_length > -kTouching ||
+           std::abs(-s * dx + c * dy) - footprint.half_width > -kTouching;
+  });
+  return result;
 }
 
 }  // namespace mr_robot::navigation

@@ -66,4 +66,8 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
                                    const Walls& walls, const Map* own, const Footprint& footprint,
                                    const Margins& margins, double reach);
 
+// All but those farther inside the body than poses and points are inexact: where it stands nothing is, and from what it
+// touches already any motion may come nearer to all the rest.
+std::vector<Obstacle> outside(const std::vector<Obstacle>& obstacles, const Pose& pose, const Footprint& footprint);
+
 }  // namespace mr_robot::navigation

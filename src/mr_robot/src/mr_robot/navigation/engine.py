@@ -11,12 +11,13 @@ from typing import List, Mapping, Optional, Tuple
 import numpy as np
 
 from mr_grid import FARTHEST, OccupancyGrid, Pose, is_place
+from mr_robot import _navigation
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.command import Command, GivenUp, Status, Velocity
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
 from mr_robot.navigation.look_around import LookAround
-from mr_robot.navigation.motion import STOP, Motion, outside
+from mr_robot.navigation.motion import STOP, Motion
 from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, STANDING, NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
@@ -117,7 +118,7 @@ class Navigator:
         self._motion.see(scan)
         obstacles = self._surroundings.obstacles(costs, self._map.own, pose, scan)
         obstacles = self._others.settle(np.concatenate([obstacles, self._others.unseen(now, pose, scan)]), now)
-        obstacles = outside(pose, obstacles, self._motion.footprint)
+        obstacles = _navigation.outside(pose, obstacles, self._motion.footprint)
         hazards = Hazards(obstacles, lambda: self._surroundings.followers(now, costs, pose))
         try:
             command = self._turn_around(now, pose, scan, obstacles) or self._act(now, pose, costs, hazards)

@@ -72,14 +72,6 @@ class Motion:
         return self.velocity
 
 
-def outside(pose: Pose, obstacles: np.ndarray, footprint: _navigation.Footprint) -> np.ndarray:
-    """Rows (x, y, margin, reaction time) but for those farther inside the body than poses and points are inexact: where
-    it stands nothing is, and from what it touches already any motion may come nearer to all the rest."""
-    x, y = np.abs(pose.apply_inverse(obstacles[:, :2])).T
-    inside = _navigation.TOUCHING
-    return obstacles[(x - footprint.half_length > -inside) | (y - footprint.half_width > -inside)]
-
-
 def bare(obstacles: np.ndarray, margin: float) -> np.ndarray:
     """Rows (x, y, margin, reaction time) with `margin`, m, less: as near as the body can come. At speed what moves is
     kept away from all the same."""
