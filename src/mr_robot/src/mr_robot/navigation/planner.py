@@ -12,7 +12,6 @@ from mr_robot import _navigation
 from mr_robot.navigation.driven import DrivenGround
 from mr_robot.navigation.options import REACH, NavigationOptions
 
-OCCUPIED_FROM = 51  # value of a cell
 NEAR_WALL_COST = 6.0  # a cell at the wall costs this much more than a free one
 # Of a cell where the body fits through and has no margin, and around a robot that stands in its margin.
 NARROW_COST = 2.0 * NEAR_WALL_COST
@@ -97,7 +96,7 @@ class CostMap:
             fits = self.wall_distance >= self.options.half_width
             rows, columns = self._driven.cells_of(self.grid.info).T
             fits[rows, columns] = True
-            fits &= (self.grid.cells < OCCUPIED_FROM) & ~np.isfinite(self._of_walls)
+            fits &= (self.grid.cells <= 50) & ~np.isfinite(self._of_walls)
             if not self.options.allow_unknown:
                 fits &= self.grid.cells >= 0
             self._narrow = np.where(fits, np.float32(NARROW_COST), self._of_walls)
@@ -120,7 +119,7 @@ class CostMap:
         top, left = max(0, row - reach), max(0, column - reach)
         slowness = slowness.copy()
         window = slowness[top : row + reach + 1, left : column + reach + 1]
-        walls = self.grid.cells[top : row + reach + 1, left : column + reach + 1] >= OCCUPIED_FROM
+        walls = self.grid.cells[top : row + reach + 1, left : column + reach + 1] > 50
         inside = obstacles - (top, left)
         inside = inside[((inside >= 0) & (inside < window.shape)).all(axis=1)]
         walls[inside[:, 0], inside[:, 1]] = True
@@ -156,7 +155,7 @@ def _grown(window: Window, reach: int, shape: Tuple[int, ...]) -> Tuple[Window, 
 def without_robots(grid: OccupancyGrid, positions: List[Tuple[float, float]], radius: float) -> OccupancyGrid:
     """The grid without the small isolated obstacles where robots stand; itself where there are none. `radius`: of the
     largest, m."""
-    cells = cells_without_robots(grid, positions, radius, OCCUPIED_FROM)
+    cells = cells_without_robots(grid, positions, radius, occupied_from=51)
     return grid if cells is grid.cells else OccupancyGrid(grid.info, cells)
 
 
