@@ -1,5 +1,5 @@
 """Drivers and SLAM of a simulated robot in one node, for the doctor. The parameter ~faults, a list, says what
-is wrong from the next moment on: scan, stamps, double, slow (odometry), unmounted (laser)."""
+is wrong from the next moment on: clock, scan, stamps, double, slow (odometry), unmounted (laser)."""
 
 import math
 import time
@@ -22,9 +22,20 @@ def transforms(stamp, chain):
         yield transform
 
 
+def publish_time(clock, wanted):
+    """Returns the publisher of /clock, None where there is none."""
+    if clock is not None and not wanted:
+        clock.unregister()
+    if not wanted:
+        return None
+    clock = clock or rospy.Publisher("/clock", Clock, queue_size=1)
+    clock.publish(rospy.Time.from_sec(time.time()))
+    return clock
+
+
 def main():
     rospy.init_node("slam", disable_rostime=True)
-    clock = rospy.Publisher("/clock", Clock, queue_size=1)
+    clock = None
     scans = rospy.Publisher("scan", LaserScan, queue_size=1)
     ways = rospy.Publisher("odom", Odometry, queue_size=1)
     maps = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
@@ -35,7 +46,7 @@ def main():
     turn = 0
     while not rospy.is_shutdown():
         faults = rospy.get_param("~faults", [])
-        clock.publish(rospy.Time.from_sec(time.time()))
+        clock = publish_time(clock, "clock" not in faults)
         now = rospy.Time.from_sec(time.time()) - rospy.Duration(5.5 if "stamps" in faults else 0.0)
         scan = LaserScan(range_min=0.1, range_max=8.0, angle_max=math.pi, ranges=[1.0] * 10)
         scan.header.stamp, scan.header.frame_id = now, "laser"

@@ -60,6 +60,11 @@ class LiveMaster:
             assert time.monotonic() < end, "not ready"
             time.sleep(0.1)
 
+    def publishes(self, topic):
+        """Whether anybody does."""
+        publishers, _, _ = self._ask("getSystemState")
+        return any(name == topic for name, _ in publishers)
+
     def wait_for_node(self, name):
         self.wait_for(lambda: self._ask("lookupNode", name))
 

@@ -267,6 +267,11 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         "/player publishes /clock",
         "use_sim_time",
     ),
+    "nodes that began while time was simulated": (
+        replace(with_topic("map", rate=0.0), clock=Clock(False, awaited_by=("/explorer", "/slam"))),
+        "simulated time, which nobody publishes any more, is waited for by /explorer, /slam",
+        "start again what began while /use_sim_time",
+    ),
     "nodes that began before time was simulated": (
         replace(with_topic("map", rate=0.0), clock=Clock(True, ("/robot",), ignored_by=("/explorer", "/slam"))),
         "the computer's clock, not /clock, tells the time to /explorer, /slam",

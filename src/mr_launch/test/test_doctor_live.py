@@ -152,6 +152,14 @@ def test_a_node_that_began_before_time_was_simulated(live):
     assert_findings(live.run(*DOCTOR), told)
 
 
+def test_a_node_that_began_while_time_was_simulated(live):
+    """Whoever set /use_sim_time back to false, as an earlier remedy says, was told nothing of nodes that stand still."""
+    live.set(use_sim_time=False, slam__faults=["clock"])
+    live.wait_for(lambda: not live.publishes("/clock"))
+    told = "simulated time, which nobody publishes any more, is waited for by /adhoc_communication: start again what"
+    assert_findings(live.run(*DOCTOR), told)
+
+
 def test_a_master_that_has_ended(tmp_path):
     master = LiveMaster(tmp_path)
     master.close()

@@ -198,6 +198,25 @@ def test_a_bag_without_messages_is_as_good_as_none(mission, capsys):
     assert capsys.readouterr().err == f"export: no message in any bag of {bag.parent}\n"
 
 
+def test_a_bag_of_two_clocks_is_refused(mission, capsys):
+    """Once the file spanned half a century. The recorder had begun before time was simulated."""
+    wall = 1_795_831_000 * SECOND
+    record(mission / "bob" / "bob_of_now.bag", "bob", wall, simulated=True)
+    (mission / "bob" / "bob_of_now.bag").rename(mission / "bob" / "bob.bag.1.bag")
+    assert main([str(mission)]) == 2
+    told = "export: bob: nothing was recorded from second 30 to 1795831001 of its clock, so times are those of two clocks"
+    said = capsys.readouterr().err
+    assert said.startswith(told) and "rosbag filter BAG PART.bag 't.to_sec() > 31' keeps" in said
+    assert not list(mission.glob(".*")) and not (mission / "mission.mcap").exists()
+
+
+def test_a_robot_whose_simulated_time_is_real_is_refused(mission, capsys):
+    (mission / "bob" / "bob.bag").unlink()
+    record(mission / "bob" / "bob.bag", "bob", 1_795_831_000 * SECOND, simulated=True)
+    assert main([str(mission)]) == 2
+    assert "export: anna: nothing was recorded from second 30 to 1795831030 of its clock" in capsys.readouterr().err
+
+
 def test_messages_that_cannot_be_decoded_are_counted_and_left_out(mission, capsys):
     """Once one of them ended the export with a traceback."""
     bag, frame = mission / "anna" / "anna.bag", b"\x0f\0\0\0base_laser_link"

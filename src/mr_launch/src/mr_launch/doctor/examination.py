@@ -114,7 +114,7 @@ class Robot:
         graph = Graph(dict(publishers), dict(subscribers), kinds)
         topics = self._topics(facts.set_up, graph)
         simulated = self._is_simulated()
-        ignored_by = self._without_clock(running, topics, graph) if simulated else ()
+        with_clock, without_clock = self._parted_by_clock(running, topics, graph)
         listener = Listener(topics, simulated)
         rospy.Subscriber(f"{self._namespace}adhoc_communication/status", Status, self._on_status, queue_size=1)
         began = time.monotonic()
@@ -126,7 +126,11 @@ class Robot:
             computer=computer,
             running=running,
             astray=astray,
-            clock=replace(listener.clock(graph.publishers("/clock")), ignored_by=ignored_by),
+            clock=replace(
+                listener.clock(graph.publishers("/clock")),
+                ignored_by=without_clock if simulated else (),
+                awaited_by=() if simulated else with_clock,
+            ),
             topics=listener.topics(),
             links=listener.links(),
             radio=self._radio(answers, listener),
@@ -159,12 +163,17 @@ class Robot:
                     found[node] = host
         return found
 
-    def _without_clock(self, running: Iterable[str], topics: Mapping[str, Topic], graph: Graph) -> tuple[str, ...]:
-        """Nodes and drivers of the robot that do not listen to /clock, by full names. Who simulates it need not."""
+    def _parted_by_clock(
+        self, running: Iterable[str], topics: Mapping[str, Topic], graph: Graph
+    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Nodes and drivers of the robot that listen to /clock, and those that do not, by full names. Who simulates it
+        need not."""
         nodes = {self._namespace + node for node in running if node != BODY}
         drivers = {node for purpose in TYPES if purpose in topics for node in topics[purpose].publishers}
         makers = {self._namespace + BODY, *graph.publishers("/clock")}
-        return tuple(sorted((nodes | drivers) - makers - set(graph.subscribers("/clock"))))
+        listeners = set(graph.subscribers("/clock"))
+        others = (nodes | drivers) - makers
+        return tuple(sorted(others & listeners)), tuple(sorted(others - listeners))
 
     def _topics(self, set_up: SetUp, graph: Graph) -> dict[str, Topic]:
         """What the nodes of a robot with a body need. Where a launch file renames one, the node's own word counts."""

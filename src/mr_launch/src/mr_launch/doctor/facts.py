@@ -128,12 +128,14 @@ class Link:
 @dataclass(frozen=True)
 class Clock:
     """`simulated`: the nodes take the time from /clock; `publishers` of it; `runs`: it went on meanwhile; `ignored_by`:
-    nodes that do not listen to it though it is `simulated`, by full names."""
+    nodes that do not listen to it though it is `simulated`, `awaited_by`: those that do though it is not, by full
+    names."""
 
     simulated: bool = False
     publishers: tuple[str, ...] = ()
     runs: bool = True
     ignored_by: tuple[str, ...] = ()
+    awaited_by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

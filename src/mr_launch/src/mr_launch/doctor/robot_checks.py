@@ -96,6 +96,9 @@ def check_time(facts: Facts) -> Iterator[Finding]:
     elif not clock.simulated and clock.publishers:
         what = f"{clock.publishers[0]} publishes /clock, and the nodes do not use it"
         yield Finding("time", what, "rosparam set /use_sim_time true and start the nodes again, or end that node")
+    elif clock.awaited_by:
+        what = f"simulated time, which nobody publishes any more, is waited for by {', '.join(clock.awaited_by)}"
+        yield Finding("time", what, "start again what began while /use_sim_time was true")
 
 
 def check_clocks(facts: Facts) -> Iterator[Finding]:

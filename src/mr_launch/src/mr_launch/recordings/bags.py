@@ -10,6 +10,7 @@ from typing import Any, Iterator, NamedTuple, Sequence
 from mr_launch.errors import UserError
 
 SECOND = 10**9  # ns
+LONGEST_MISSION = 86400 * SECOND
 UNDECODABLE = (ValueError, IndexError, struct.error)  # of rosbags, beside its own
 
 
@@ -64,13 +65,18 @@ def messages(
         yield from reader.messages(connections=connections, start=start, stop=stop)
 
 
-def longest_pause(reader: Any, span: Span) -> Span:
-    """Within `span`: between a message of any topic and the next one, before the first, or after the last."""
+def pause_between_clocks(reader: Any, span: Span) -> Span | None:
+    """Within `span`: the longest from a message of any topic to the next one, before the first, or after the last, if
+    no mission lasts that long. A recorder that began before time was simulated writes the times of two clocks into one
+    bag: decades lie between."""
+    if length_of(span) <= LONGEST_MISSION:
+        return None
     longest, before = Span(span.start, span.start), span.start
     for _, time, _ in messages(reader, reader.connections, span.start, span.end):
         longest = max(longest, Span(before, time), key=length_of)
         before = time
-    return max(longest, Span(before, span.end), key=length_of)
+    longest = max(longest, Span(before, span.end), key=length_of)
+    return longest if length_of(longest) > LONGEST_MISSION else None
 
 
 def length_of(span: Span) -> int:

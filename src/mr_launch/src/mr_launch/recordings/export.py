@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any, Callable, Iterator, NamedTuple, Sequence
 
 from mr_grid import Pose
-from mr_launch.recordings.bags import SECOND, decoded, latched, messages, opened, place_of, topic_of
+from mr_launch.errors import UserError
+from mr_launch.recordings.bags import SECOND, Span, decoded, latched, messages, opened, pause_between_clocks, place_of, topic_of
 from mr_launch.recordings.conversion import LATCHED, Conversion
 from mr_launch.recordings.message_frames import below, rewrite
 from mr_launch.recordings.recording import Recording
@@ -63,6 +64,7 @@ def export(
         readers = {robot.name: stack.enter_context(opened(robot.bags)) for robot in recording.robots}
         surveys = {name: Survey(reader) for name, reader in readers.items()}
         sources, result = _sources(recording, readers, surveys)
+        _check_clocks(sources, result)
         wanted = selection(topics, everything, {topic for survey in surveys.values() for topic in survey.topics})
         work = stack.enter_context(_work_folder(target))
         writer = _Writer(work, compress, Conversion([reader.typestore for reader in readers.values()]), result)
@@ -74,6 +76,26 @@ def export(
         result.broken = dict(broken)
         (work / f"{work.name}.mcap").replace(target)
     return result
+
+
+def _check_clocks(sources: Sequence[_Source], result: Exported) -> None:
+    """Raises UserError where times are those of two clocks: first of one robot's bags, then of one beside the others."""
+    for source in sources:
+        _check_pause(source, source.survey.span)
+    for source in sources:
+        if source.robot not in result.untimed:
+            _check_pause(source, Span(*(time - source.shift for time in result.span)))
+
+
+def _check_pause(source: _Source, span: Span) -> None:
+    pause = pause_between_clocks(source.reader, span)
+    if pause is not None:
+        between = math.ceil(pause.start / SECOND) + 1
+        raise UserError(
+            f"{source.robot}: nothing was recorded from second {between - 1} to {pause.end // SECOND} of its clock, so times "
+            "are those of two clocks, simulated and real, and an export has one: "
+            f"rosbag filter BAG PART.bag 't.to_sec() > {between}' keeps what lies behind, with < what lies before"
+        )
 
 
 @contextlib.contextmanager

@@ -22,7 +22,7 @@ from mr_launch.exit_codes import BAD_CALL, FAILED, INTERRUPTED
 from mr_launch.outside import run_inside
 from mr_launch.plan import BASE, FIRST_PORT, PLAN_FILE, Plan, initial_poses
 from mr_launch.programs import find_played, free_ports
-from mr_launch.recordings.bags import SECOND, Span, length_of, longest_pause, opened
+from mr_launch.recordings.bags import SECOND, Span, opened, pause_between_clocks
 from mr_launch.recordings.cut import cut, is_played
 from mr_launch.recordings.drivers import driver_arguments, frame_arguments, scan_note
 from mr_launch.recordings.recording import (
@@ -38,7 +38,6 @@ from mr_launch.recordings.survey import Survey, clock_shifts
 
 COMPUTED = ("map_merger", "explorer")
 FASTEST = 20.0
-LONGEST_PAUSE = 86400.0  # s; a mission lasts no longer
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -172,19 +171,17 @@ def played_spans(recording: Recording, first: float, last: float) -> dict[str, S
         raise UserError(f"--from {first:g}: the recording has {length:.1f} s")
     begin = start + round(first * SECOND)
     until = min(end, start + round(min(last, length) * SECOND))
-    if until - begin > LONGEST_PAUSE * SECOND:
-        for robot in recording.robots:
-            own = Span(begin - moves[robot.name], until - moves[robot.name])
-            _check_pauses(robot, own, start - moves[robot.name])
+    for robot in recording.robots:
+        own = Span(begin - moves[robot.name], until - moves[robot.name])
+        _check_clocks(robot, own, start - moves[robot.name])
     return {name: Span(begin - moves[name], until - moves[name]) for name in names}
 
 
-def _check_pauses(robot: RecordedRobot, span: Span, start: int) -> None:
-    """A recorder that began before time was simulated writes the times of two clocks into one bag: decades lie between.
-    `start`: of the recording, ns. Raises UserError."""
+def _check_clocks(robot: RecordedRobot, span: Span, start: int) -> None:
+    """`start`: of the recording, ns. Raises UserError where the bags have the times of two clocks."""
     with opened(robot.bags) as reader:
-        pause = longest_pause(reader, span)
-    if length_of(pause) > LONGEST_PAUSE * SECOND:
+        pause = pause_between_clocks(reader, span)
+    if pause is not None:
         last, first = math.ceil((pause.start - start) / SECOND), math.floor((pause.end - start) / SECOND)
         raise UserError(
             f"{robot.name}: nothing was recorded from second {last} to {first}, so its times are those of two clocks, "
