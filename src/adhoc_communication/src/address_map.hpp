@@ -77,7 +77,10 @@ class AddressMap {
 
  private:
   std::ptrdiff_t place_of(const MacAddress& address) const {
-    return std::lower_bound(numbers_.begin(), numbers_.end(), address.number()) - numbers_.begin();
+    if (!is_at(last_, address)) {
+      last_ = std::lower_bound(numbers_.begin(), numbers_.end(), address.number()) - numbers_.begin();
+    }
+    return last_;
   }
   std::ptrdiff_t place_behind(const MacAddress& address) const {
     return std::upper_bound(numbers_.begin(), numbers_.end(), address.number()) - numbers_.begin();
@@ -94,6 +97,7 @@ class AddressMap {
 
   std::vector<std::uint64_t> numbers_;  ///< of the addresses, rising
   Entries entries_;                     ///< in the same order
+  mutable std::ptrdiff_t last_ = 0;     ///< looked for last: mostly the next question is the same
 };
 
 }  // namespace adhoc_communication

@@ -66,39 +66,40 @@ void Medium::set_up(Node node, bool up, Time now) {
   state.up = up;
 }
 
-void Medium::transmit(Node node, const Frame& frame, Time now) {
+void Medium::transmit(Node node, Frame sent, Time now) {
   NodeState& state = nodes_.at(node);
-  if (state.address != frame.source) {
+  SharedFrame frame = std::make_shared<const Frame>(std::move(sent));
+  if (state.address != frame->source) {
     const auto former = state.address ? by_address_.find(*state.address) : by_address_.end();
     if (former != by_address_.end() && former->second == node) by_address_.erase(former);
-    state.address = frame.source;
-    by_address_[frame.source] = node;
+    state.address = frame->source;
+    by_address_[frame->source] = node;
   }
   if (!state.up || state.queued >= options().queue_limit) return count(node, &Counters::discarded);
   ++state.queued;
   if (options().contention) {
     const bool is_idle = state.queued == 1;
-    state.waiting.push_back(frame);
+    state.waiting.push_back(std::move(frame));
     if (is_idle) back_off(node, now);
     return;
   }
-  if (options().spatial_reuse) return take_turn(node, frame, now);
+  if (options().spatial_reuse) return take_turn(node, std::move(frame), now);
   Time& busy_until = options().shared ? shared_busy_until_ : state.busy_until;
   const Time begin = std::max(busy_until, now);
-  const Time duration = air_time(node, frame);
+  const Time duration = air_time(node, *frame);
   busy_until = begin + duration;
-  launch(node, frame, begin, duration);
+  launch(node, std::move(frame), begin, duration);
 }
 
-void Medium::take_turn(Node node, const Frame& frame, Time now) {
+void Medium::take_turn(Node node, SharedFrame frame, Time now) {
   std::vector<Turns::Listener> listeners;
   for (const Hearer& hearer : reach_.hearers(node)) {
-    listeners.push_back({hearer.node, addressed(frame, nodes_[hearer.node])});
+    listeners.push_back({hearer.node, addressed(*frame, nodes_[hearer.node])});
   }
   const Time begin = turns_.next(node, listeners, now);
-  const Time duration = air_time(node, frame);
+  const Time duration = air_time(node, *frame);
   turns_.take(node, listeners, begin + duration);
-  launch(node, frame, begin, duration);
+  launch(node, std::move(frame), begin, duration);
 }
 
 Time Medium::air_time(Node sender, const Frame& frame) {
@@ -122,15 +123,15 @@ bool Medium::is_repeated(const Frame& frame) const {
   return options().rates.unicast_retries > 0 && frame.destination != wire::kEverybody;
 }
 
-Medium::FlightKey Medium::launch(Node sender, const Frame& frame, Time begin, Time duration) {
+Medium::FlightKey Medium::launch(Node sender, SharedFrame frame, Time begin, Time duration) {
   NodeState& state = nodes_[sender];
   for (Counters* counters : {&state.counters, &counters_}) {
     ++counters->frames;
-    counters->octets += frame.bytes.size();
+    counters->octets += frame->bytes.size();
     counters->air_time += duration;
   }
   const FlightKey key(begin + duration, next_flight_++);
-  flights_.emplace(key, Flight{sender, state.life, frame, true, {}});
+  flights_.emplace(key, Flight{sender, state.life, std::move(frame), true, {}});
   return key;
 }
 
@@ -148,8 +149,9 @@ void Medium::attempt(Node node, Time at) {
   state.attempt.reset();
   const Time idle_from = channel_.sensed_until(node, at, reach_);
   if (idle_from > at) return back_off(node, idle_from);
-  const FlightKey key = launch(node, state.waiting.front(), at, air_time(node, state.waiting.front()));
+  const SharedFrame frame = std::move(state.waiting.front());
   state.waiting.pop_front();
+  const FlightKey key = launch(node, frame, at, air_time(node, *frame));
   channel_.begin(key.second, node, at, key.first, reach_);
 }
 
@@ -182,7 +184,7 @@ void Medium::land(Time at, std::vector<Delivery>& out) {
 }
 
 void Medium::arrive(Flight& flight, Time at, std::vector<Delivery>& out) {
-  const bool answered = flight.first && is_repeated(flight.frame);
+  const bool answered = flight.first && is_repeated(*flight.frame);
   if (flight.first && !answered) go_on(flight.sender, at);
   const bool delayed = flight.first && repeat_or_delay(flight, at);
   const bool lost = !delayed && !deliver(flight, out);
@@ -212,15 +214,15 @@ bool Medium::deliver(const Flight& flight, std::vector<Delivery>& out) {
   bool arrived = false;
   for (const Hearer& hearer : reach_.hearers(flight.sender)) {
     const NodeState& receiver = nodes_[hearer.node];
-    if (!receiver.up || !addressed(flight.frame, receiver) || !survives(flight, hearer)) continue;
+    if (!receiver.up || !addressed(*flight.frame, receiver) || !survives(flight, hearer)) continue;
     if (hearer.loss > 0.0 && random_.chance(hearer.loss)) {
       count(flight.sender, &Counters::lost);
       continue;
     }
     count(flight.sender, &Counters::delivered);
-    arrived |= receiver.address == flight.frame.destination;
-    out.push_back({hearer.node, flight.frame});
-    if (options().corruption > 0 && random_.chance(options().corruption)) corrupt(out.back().frame.bytes);
+    arrived |= receiver.address == flight.frame->destination;
+    const bool corrupt = options().corruption > 0 && random_.chance(options().corruption);
+    out.push_back({hearer.node, corrupt ? corrupted(*flight.frame) : flight.frame});
   }
   return arrived;
 }
@@ -259,9 +261,10 @@ bool Medium::addressed(const Frame& frame, const NodeState& node) const {
   return frame.destination == wire::kEverybody || !node.address || *node.address == frame.destination;
 }
 
-void Medium::corrupt(Bytes& bytes) {
-  if (bytes.empty()) return;
-  bytes[random_.next() % bytes.size()] ^= static_cast<std::uint8_t>(1 + random_.next() % 255);
+Medium::SharedFrame Medium::corrupted(Frame frame) {
+  Bytes& bytes = frame.bytes;
+  if (!bytes.empty()) bytes[random_.next() % bytes.size()] ^= static_cast<std::uint8_t>(1 + random_.next() % 255);
+  return std::make_shared<const Frame>(std::move(frame));
 }
 
 }  // namespace adhoc_communication

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -25,10 +26,11 @@ namespace adhoc_communication {
 class Medium {
  public:
   using Node = std::size_t;
+  using SharedFrame = std::shared_ptr<const Frame>;  ///< of all that hear it
 
   struct Delivery {
     Node node;
-    Frame frame;
+    SharedFrame frame;
   };
 
   struct Counters {
@@ -64,7 +66,7 @@ class Medium {
   /// A node that is down neither sends nor receives; what it has queued is lost.
   void set_up(Node node, bool up, Time now);
 
-  void transmit(Node node, const Frame& frame, Time now);
+  void transmit(Node node, Frame frame, Time now);
   /// Whether the node has frames that have not left it.
   bool keeps_frames(Node node) const { return nodes_.at(node).queued > 0; }
   /// When something happens next: deliveries() is due then, though nothing may arrive.
@@ -85,7 +87,7 @@ class Medium {
     std::uint64_t life = 0;  ///< changes whenever the node goes down
     Time busy_until{0};
     std::size_t queued = 0;
-    std::deque<Frame> waiting;    ///< for a free channel, where it is contended for
+    std::deque<SharedFrame> waiting;  ///< for a free channel, where it is contended for
     std::optional<Time> attempt;  ///< when the node tries to send the first of them
     int retries = 0;              ///< of that one
     Counters counters;
@@ -93,7 +95,7 @@ class Medium {
   struct Flight {
     Node sender;
     std::uint64_t life;
-    Frame frame;
+    SharedFrame frame;
     bool first = true;              ///< false for the late or second copy that reordering and duplication make
     std::vector<Node> overlapping;  ///< senders of frames that were on the air at the same time, if it is contended for
   };
@@ -101,11 +103,11 @@ class Medium {
   using FlightKey = std::pair<Time, std::uint64_t>;  ///< end of air time, order of transmission
 
   /// Sends at the node's turn.
-  void take_turn(Node node, const Frame& frame, Time now);
+  void take_turn(Node node, SharedFrame frame, Time now);
   Time air_time(Node sender, const Frame& frame);
   double bit_rate(Node sender, const Frame& frame);
   bool is_repeated(const Frame& frame) const;
-  FlightKey launch(Node sender, const Frame& frame, Time begin, Time duration);
+  FlightKey launch(Node sender, SharedFrame frame, Time begin, Time duration);
   void back_off(Node node, Time idle_from);
   void attempt(Node node, Time at);
   void land(Time at, std::vector<Delivery>& out);
@@ -118,7 +120,7 @@ class Medium {
   bool survives(const Flight& flight, const Hearer& receiver);
   void count(Node sender, std::uint64_t Counters::*counter);
   bool addressed(const Frame& frame, const NodeState& node) const;
-  void corrupt(Bytes& bytes);
+  SharedFrame corrupted(Frame frame);
 
   Random random_;
   Reach reach_;

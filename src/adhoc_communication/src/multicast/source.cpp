@@ -153,11 +153,10 @@ void Source::copy_finished(std::uint8_t stream, std::uint32_t number) {
 }
 
 std::uint32_t Source::oldest_open(const Branch& own, std::uint8_t stream) const {
-  std::uint32_t oldest = own.streams[stream].next;
-  for (const auto& [number, transfer] : own.streams[stream].transfers)
-    oldest = before(number, oldest) ? number : oldest;
-  for (const std::uint32_t number : copies_[stream]) oldest = before(number, oldest) ? number : oldest;
-  return oldest;
+  const GroupStream& packets = own.streams[stream];
+  const auto& copies = copies_[stream];
+  const std::uint32_t oldest = packets.transfers.empty() ? packets.next : packets.transfers.begin()->first;
+  return !copies.empty() && before(*copies.begin(), oldest) ? *copies.begin() : oldest;
 }
 
 void Source::remove_finished(Branch& own) {

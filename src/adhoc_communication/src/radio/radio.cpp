@@ -134,7 +134,7 @@ void Radio::carry_frames(Medium::Node node, Time now) {
 void Radio::deliver(Time now) {
   for (const auto& delivery : medium_.deliveries(now)) {
     const auto port = ports_.find(delivery.node);
-    if (port != ports_.end()) port->second->send(delivery.frame);
+    if (port != ports_.end()) port->second->send(*delivery.frame);
   }
 }
 

@@ -12,8 +12,7 @@ bool RequestFlood::first_time(const wire::RouteRequest& request, const MacAddres
   const bool fresh = found == seen_.end() || found->second.forgotten <= now;
   if (fresh) {
     make_room(now);
-    seen_[identity] = Seen{now + timings_.path_discovery_time(), 0, {}};
-    found = seen_.find(identity);
+    found = seen_.insert_or_assign(identity, Seen{now + timings_.path_discovery_time(), 0, {}}).first;
     order_.emplace_back(found->second.forgotten, identity);
   }
   found->second.holders.insert(from);

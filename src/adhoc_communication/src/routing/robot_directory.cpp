@@ -101,6 +101,8 @@ void RobotDirectory::expire(Time now) {
 }
 
 void RobotDirectory::look_for_taken_names() {
+  const bool names_are_shared = by_name_.size() < robots_.size() || by_name_.count(own_name_) != 0;
+  if (!names_are_shared && reported_names_.empty()) return;
   for (auto name = reported_names_.begin(); name != reported_names_.end();) {
     const auto bearers = by_name_.find(*name);
     const bool still = bearers != by_name_.end() && is_taken(*name, bearers->second);

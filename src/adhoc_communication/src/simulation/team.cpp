@@ -35,7 +35,7 @@ void Team::boot(std::size_t robot) {
   Random random(seed_ * 1'000'003 + robot * 1009 + static_cast<std::uint64_t>(entry.boots));
   for (std::uint8_t& octet : entry.boot_id) octet = static_cast<std::uint8_t>(random.next());
   entry.engine = std::make_unique<Engine>(entry.options, address(robot), entry.boot_id, random.next(), now_);
-  deadlines_[robot] = Time::min();
+  set_deadline(robot, Time::min());
 }
 
 void Team::kill(std::size_t robot) {
@@ -80,12 +80,10 @@ const SendFinished* Team::finished(std::size_t robot, SendId id) const {
 bool Team::run_until(Time end, const std::function<bool()>& done) {
   int rounds_without_time = 0;
   for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
-    if (alive(robot)) deadlines_[robot] = Time::min();
+    if (alive(robot)) set_deadline(robot, Time::min());
   }
   for (;;) {
-    for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
-      if (deadlines_[robot] <= now_) serve(robot);
-    }
+    serve_due();
     if (done()) return true;
     const Time next = std::min(next_deadline(), medium_.next_delivery().value_or(Time::max()));
     if (next > end) {
@@ -95,41 +93,53 @@ bool Team::run_until(Time end, const std::function<bool()>& done) {
     rounds_without_time = next > now_ ? 0 : rounds_without_time + 1;
     if (rounds_without_time > 10'000) throw std::logic_error("an engine asks for polls without end");
     now_ = std::max(now_, next);
-    for (Medium::Delivery& delivery : medium_.deliveries(now_)) {
-      if (on_frame) on_frame(delivery.node, delivery.frame);
+    for (const Medium::Delivery& delivery : medium_.deliveries(now_)) {
+      if (on_frame) on_frame(delivery.node, *delivery.frame);
       const auto robot = by_node_.find(delivery.node);
       if (robot == by_node_.end() || !robots_[robot->second].engine) continue;
       // An interface drops what is longer than it takes.
-      if (delivery.frame.bytes.size() > static_cast<std::size_t>(robots_[robot->second].options.mtu)) continue;
-      engine(robot->second).receive(delivery.frame, now_);
+      if (delivery.frame->bytes.size() > static_cast<std::size_t>(robots_[robot->second].options.mtu)) continue;
+      engine(robot->second).receive(*delivery.frame, now_);
       if (after_step) after_step(robot->second);
       serve(robot->second);
     }
   }
 }
 
+void Team::set_deadline(std::size_t robot, Time deadline) {
+  deadlines_.at(robot) = deadline;
+  soonest_ = std::min(soonest_, deadline);
+}
+
 Time Team::next_deadline() {
-  Time next = Time::max();
+  soonest_ = Time::max();
   for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
     if (deadlines_[robot] == Time::min()) deadlines_[robot] = robots_[robot].engine->next_deadline();
-    next = std::min(next, deadlines_[robot]);
+    soonest_ = std::min(soonest_, deadlines_[robot]);
   }
-  return next;
+  return soonest_;
+}
+
+void Team::serve_due() {
+  if (soonest_ > now_) return;
+  for (std::size_t robot = 0; robot < robots_.size(); ++robot) {
+    if (deadlines_[robot] <= now_) serve(robot);
+  }
 }
 
 void Team::serve(std::size_t robot) {
   Robot& entry = robots_[robot];
   if (!entry.engine) return;
-  deadlines_[robot] = entry.engine->next_deadline();
+  set_deadline(robot, entry.engine->next_deadline());
   if (deadlines_[robot] > now_) return take_events(robot);
   ++polls_;
-  for (const Frame& frame : entry.engine->poll(now_)) {
+  for (Frame& frame : entry.engine->poll(now_)) {
     hash(frame);
     if (on_transmission) on_transmission(robot, frame);
-    medium_.transmit(entry.node, frame, now_);
+    medium_.transmit(entry.node, std::move(frame), now_);
   }
   entry.engine->handed_over(medium_.keeps_frames(entry.node));
-  deadlines_[robot] = entry.engine->next_deadline();
+  set_deadline(robot, entry.engine->next_deadline());
   take_events(robot);
   if (after_step) after_step(robot);
 }

@@ -31,7 +31,7 @@ class Team {
 
   /// To be fetched anew in each callback.
   Engine& engine(std::size_t robot) {
-    deadlines_.at(robot) = Time::min();
+    set_deadline(robot, Time::min());
     return *robots_.at(robot).engine;
   }
   std::size_t size() const { return robots_.size(); }
@@ -96,7 +96,9 @@ class Team {
 
   bool run_until(Time end, const std::function<bool()>& done);
   void boot(std::size_t robot);
+  void set_deadline(std::size_t robot, Time deadline);
   Time next_deadline();
+  void serve_due();
   void serve(std::size_t robot);
   void take_events(std::size_t robot);
   void hash(const Frame& frame);
@@ -108,6 +110,7 @@ class Team {
   /// When each engine wants to be polled, as far as known: what may have been touched since is due now. Asking each
   /// engine after each frame would cost more than all the rest.
   std::vector<Time> deadlines_;
+  Time soonest_ = Time::min();  ///< none of them is earlier
   std::map<Medium::Node, std::size_t> by_node_;
   std::uint64_t polls_ = 0;
   std::uint64_t trace_hash_ = 0xcbf29ce484222325u;

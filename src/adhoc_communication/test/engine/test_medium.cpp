@@ -44,7 +44,7 @@ std::vector<Arrival> arrivals(Medium& medium) {
   std::vector<Arrival> all;
   while (const auto next = medium.next_delivery()) {
     for (const auto& delivery : medium.deliveries(*next)) {
-      all.push_back({static_cast<Node>(delivery.frame.bytes[0]), delivery.node, *next});
+      all.push_back({static_cast<Node>(delivery.frame->bytes[0]), delivery.node, *next});
     }
   }
   return all;
@@ -94,7 +94,7 @@ std::uint64_t fingerprint(const MediumOptions& options) {
     }
     for (const Medium::Delivery& delivery : medium.deliveries(now)) {
       add(delivery.node);
-      for (const std::uint8_t octet : delivery.frame.bytes) add(octet);
+      for (const std::uint8_t octet : delivery.frame->bytes) add(octet);
     }
   }
   add(medium.counters().delivered);
@@ -604,7 +604,7 @@ TEST(MediumContention, ContendersShareTheChannel) {
   while (const auto next = medium.next_delivery()) {
     if (*next > 500ms) break;
     for (const auto& delivery : medium.deliveries(*next)) {
-      received[delivery.frame.bytes[0]] += delivery.node == 3;
+      received[delivery.frame->bytes[0]] += delivery.node == 3;
       end = *next;
     }
   }

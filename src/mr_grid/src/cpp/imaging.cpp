@@ -1,6 +1,7 @@
-// Python module mr_grid._imaging: functions of OpenCV's imgproc for numpy arrays.
+// Python module mr_grid._imaging: functions of OpenCV's imgproc for numpy arrays, and what a grid shows of robots.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -9,6 +10,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <vector>
+
+#include "robot_traces.hpp"
 
 namespace py = pybind11;
 
@@ -147,9 +150,27 @@ void draw_circle(py::array_t<std::uint8_t, py::array::c_style> image, int column
   cv::circle(onto, {column, row}, radius, grey, 1);
 }
 
+py::array_t<std::int64_t> robot_traces(const Array<std::int8_t>& cells, int occupied_from, double resolution,
+                                       const mr_grid::Place& origin, const std::vector<mr_grid::Place>& places,
+                                       double most_apart, double largest) {
+  require(cells.ndim() == 2, "cells of shape (rows, columns) are needed");
+  const int rows = static_cast<int>(cells.shape(0)), columns = static_cast<int>(cells.shape(1));
+  const mr_grid::Grid grid{cells.data(), rows, columns, occupied_from, resolution, origin};
+  const std::vector<mr_grid::Cell> found = mr_grid::robot_traces(grid, places, most_apart, largest);
+  py::array_t<std::int64_t> result({static_cast<py::ssize_t>(found.size()), py::ssize_t{2}});
+  auto at = result.mutable_unchecked<2>();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    at(i, 0) = found[i].row;
+    at(i, 1) = found[i].column;
+  }
+  return result;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_imaging, module) {
+  module.def("robot_traces", &robot_traces, py::arg("cells"), py::arg("occupied_from"), py::arg("resolution"),
+             py::arg("origin"), py::arg("places"), py::arg("most_apart"), py::arg("largest"));
   module.def("use_threads", &cv::setNumThreads, py::arg("count"));
   module.def("parts", &parts, py::arg("mask"));
   module.def("part_labels", &part_labels, py::arg("mask"));

@@ -1,37 +1,10 @@
-// Python module mr_grid._robot_traces: what an occupancy grid shows of robots.
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
+#include "robot_traces.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <stdexcept>
-#include <utility>
-#include <vector>
 
-namespace py = pybind11;
-
+namespace mr_grid {
 namespace {
-
-using Array = py::array_t<std::int8_t, py::array::c_style | py::array::forcecast>;
-using Place = std::pair<double, double>;  // x, y in m
-
-struct Cell {
-  int row, column;
-};
-
-struct Grid {
-  const std::int8_t* cells;
-  int rows, columns;
-  int occupied_from;
-  double resolution;  // m
-  Place origin;       // m
-
-  bool occupied(int row, int column) const {
-    return cells[static_cast<std::size_t>(row) * columns + column] >= occupied_from;
-  }
-};
 
 // Where obstacles that may be a robot lie wholly: one cut off at the edge is too large or too far away.
 struct Window {
@@ -105,12 +78,10 @@ Window around(const Place& place, const Grid& grid, int reach) {
           std::min(grid.columns, column + reach + 1)};
 }
 
-py::array_t<std::int64_t> find(const Array& cells, int occupied_from, double resolution, const Place& origin,
-                               const std::vector<Place>& places, double most_apart, double largest) {
-  if (cells.ndim() != 2) throw std::invalid_argument("cells of shape (rows, columns) are needed");
-  const Grid grid{cells.data(),  static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)),
-                  occupied_from, resolution,                       origin};
-  const int reach = static_cast<int>((most_apart + largest) / resolution) + 2;
+}  // namespace
+
+std::vector<Cell> robot_traces(const Grid& grid, const std::vector<Place>& places, double most_apart, double largest) {
+  const int reach = static_cast<int>((most_apart + largest) / grid.resolution) + 2;
   std::vector<Cell> found;
   for (const Place& place : places) {
     const Window window = around(place, grid, reach);
@@ -125,18 +96,7 @@ py::array_t<std::int64_t> find(const Array& cells, int occupied_from, double res
       }
     }
   }
-  py::array_t<std::int64_t> result({static_cast<py::ssize_t>(found.size()), py::ssize_t{2}});
-  auto at = result.mutable_unchecked<2>();
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    at(i, 0) = found[i].row;
-    at(i, 1) = found[i].column;
-  }
-  return result;
+  return found;
 }
 
-}  // namespace
-
-PYBIND11_MODULE(_robot_traces, module) {
-  module.def("find", &find, py::arg("cells"), py::arg("occupied_from"), py::arg("resolution"), py::arg("origin"),
-             py::arg("places"), py::arg("most_apart"), py::arg("largest"));
-}
+}  // namespace mr_grid

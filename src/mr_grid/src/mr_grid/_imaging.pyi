@@ -1,4 +1,7 @@
-"""OpenCV's imgproc for arrays of shape (rows, columns) (src/cpp/imaging.cpp); see `mr_grid.imaging`."""
+"""OpenCV's imgproc for arrays of shape (rows, columns) (src/cpp/imaging.cpp): see `mr_grid.imaging`. What a grid shows
+of robots: see `mr_grid.robot_traces`."""
+
+from typing import Sequence
 
 import numpy as np
 
@@ -13,3 +16,12 @@ def nearest_zero(mask: np.ndarray) -> np.ndarray: ...
 def largest_contour(mask: np.ndarray) -> np.ndarray: ...
 def simplified(contour: np.ndarray, tolerance: float) -> np.ndarray: ...
 def draw_circle(image: np.ndarray, column: int, row: int, radius: int, grey: int) -> None: ...
+def robot_traces(
+    cells: np.ndarray,
+    occupied_from: int,
+    resolution: float,
+    origin: tuple[float, float],
+    places: Sequence[tuple[float, float]],
+    most_apart: float,
+    largest: float,
+) -> np.ndarray: ...

@@ -4,7 +4,7 @@ from typing import Sequence, Tuple
 
 import numpy as np
 
-from mr_grid import _robot_traces
+from mr_grid import _imaging
 from mr_grid.grid import FREE, OccupancyGrid
 
 
@@ -26,7 +26,7 @@ def robot_traces(
     """Cells (row, column), int64 (n, 2), of robots, of that radius at most, at these places; all in metres. The grid is
     not turned. `occupied_from`: the least value of an obstacle."""
     near, largest, origin = reach_of(radius), extent_of(radius), (grid.origin.x, grid.origin.y)
-    return _robot_traces.find(grid.cells, occupied_from, grid.resolution, origin, places, near, largest)
+    return _imaging.robot_traces(grid.cells, occupied_from, grid.resolution, origin, places, near, largest)
 
 
 def cells_without_robots(
