@@ -153,7 +153,7 @@ def test_a_node_that_began_before_time_was_simulated(live):
 
 
 def test_a_node_that_began_while_time_was_simulated(live):
-    """Whoever set /use_sim_time back to false, as an earlier remedy says, was told nothing of nodes that stand still."""
+    """Whoever set /use_sim_time back to false, as a remedy says, was told nothing of nodes that stand still."""
     live.set(use_sim_time=False, slam__faults=["clock"])
     live.wait_for(lambda: not live.publishes("/clock"))
     told = "simulated time, which nobody publishes any more, is waited for by /adhoc_communication: start again what"

@@ -88,8 +88,8 @@ class Medium {
     Time busy_until{0};
     std::size_t queued = 0;
     std::deque<SharedFrame> waiting;  ///< for a free channel, where it is contended for
-    std::optional<Time> attempt;  ///< when the node tries to send the first of them
-    int retries = 0;              ///< of that one
+    std::optional<Time> attempt;      ///< when the node tries to send the first of them
+    int retries = 0;                  ///< of that one
     Counters counters;
   };
   struct Flight {

@@ -13,9 +13,9 @@ from explorer.decision import Decision
 from explorer.errors import ExplorerError, SceneError
 from explorer.frontiers import Frontier
 from explorer.grid import OccupancyMap
+from explorer.ground import LARGEST_ROBOT_RADIUS
 from explorer.recognition import Listed
 from explorer.scene import Scene
-from explorer.ground import LARGEST_ROBOT_RADIUS
 from explorer.ways import Ways
 from mr_grid import GridInfo, Pose
 

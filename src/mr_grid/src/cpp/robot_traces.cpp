@@ -69,7 +69,8 @@ bool is_robot(const std::vector<Cell>& cells, const Grid& grid, const Place& pla
 Window around(const Place& place, const Grid& grid, int reach) {
   // Bounded before it becomes an integer: a place may be anywhere, and nowhere.
   const auto cell = [&](double along, double from, int count) {
-    const double least = -1.0 - reach, most = 1.0 * count + reach, number = std::floor((along - from) / grid.resolution);
+    const double least = -1.0 - reach, most = 1.0 * count + reach,
+                 number = std::floor((along - from) / grid.resolution);
     return static_cast<int>(std::isnan(number) ? least : std::clamp(number, least, most));
   };
   const int row = cell(place.second, grid.origin.second, grid.rows);

@@ -13,7 +13,17 @@ from typing import Any, Callable, Iterator, NamedTuple, Sequence
 
 from mr_grid import Pose
 from mr_launch.errors import UserError
-from mr_launch.recordings.bags import SECOND, Span, decoded, latched, messages, opened, pause_between_clocks, place_of, topic_of
+from mr_launch.recordings.bags import (
+    SECOND,
+    Span,
+    decoded,
+    latched,
+    messages,
+    opened,
+    pause_between_clocks,
+    place_of,
+    topic_of,
+)
 from mr_launch.recordings.conversion import LATCHED, Conversion
 from mr_launch.recordings.message_frames import below, rewrite
 from mr_launch.recordings.recording import Recording
@@ -79,7 +89,7 @@ def export(
 
 
 def _check_clocks(sources: Sequence[_Source], result: Exported) -> None:
-    """Raises UserError where times are those of two clocks: first of one robot's bags, then of one beside the others."""
+    """Raises UserError where times are those of two clocks: of one robot's bags, then of one beside the others."""
     for source in sources:
         _check_pause(source, source.survey.span)
     for source in sources:
@@ -90,11 +100,11 @@ def _check_clocks(sources: Sequence[_Source], result: Exported) -> None:
 def _check_pause(source: _Source, span: Span) -> None:
     pause = pause_between_clocks(source.reader, span)
     if pause is not None:
-        between = math.ceil(pause.start / SECOND) + 1
+        last, first = math.ceil(pause.start / SECOND), pause.end // SECOND
         raise UserError(
-            f"{source.robot}: nothing was recorded from second {between - 1} to {pause.end // SECOND} of its clock, so times "
-            "are those of two clocks, simulated and real, and an export has one: "
-            f"rosbag filter BAG PART.bag 't.to_sec() > {between}' keeps what lies behind, with < what lies before"
+            f"{source.robot}: nothing was recorded from second {last} to {first} of its clock, so times are those of two "
+            "clocks, simulated and real, and an export has one: "
+            f"rosbag filter BAG PART.bag 't.to_sec() > {last + 1}' keeps what lies behind, with < what lies before"
         )
 
 
