@@ -102,8 +102,8 @@ def _check_pause(source: _Source, span: Span) -> None:
     if pause is not None:
         last, first = math.ceil(pause.start / SECOND), pause.end // SECOND
         raise UserError(
-            f"{source.robot}: nothing was recorded from second {last} to {first} of its clock, so times are those of two "
-            "clocks, simulated and real, and an export has one: "
+            f"{source.robot}: nothing was recorded from second {last} to {first} of its clock, so times are those of "
+            "two clocks, simulated and real, and an export has one: "
             f"rosbag filter BAG PART.bag 't.to_sec() > {last + 1}' keeps what lies behind, with < what lies before"
         )
 
