@@ -1,12 +1,11 @@
 """What a benchmark that is interrupted leaves behind, and what is published."""
 
-import importlib.machinery
-import importlib.util
 import json
 import re
 import subprocess
 from pathlib import Path
 
+import bench_adversaries as bench
 from benchmark_rows import Rows
 
 
@@ -61,22 +60,12 @@ def test_a_target_publishes_its_own_rows_only():
     assert "--minutes 10 " in commands("bench-adhoc-long")
 
 
-def program(name):
-    """A script of this package, as a module."""
-    path = str(REPOSITORY / "src/adhoc_communication/scripts" / name)
-    loader = importlib.machinery.SourceFileLoader(name, path)
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
-    loader.exec_module(module)
-    return module
-
-
 def report(peak, failed=()):
     tests = [{"name": name, **({"failures": ["x"]} if name in failed else {})} for name in ("Bombs", "Replays")]
     return {"testsuites": [{"peak_kilobytes": str(peak), "testsuite": tests}]}
 
 
 def test_the_worst_seed_of_the_adversaries_counts():
-    bench = program("bench_adversaries")
     reports = [report(20_000), report(64_100), report(30_000)]
     row = bench.memory_row("open team", reports)
     assert (row["value"], row["holds"]) == (64.1, False)

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Diagnostics, network state, logs on a full disk, capture, adhoc_top."""
 
-import importlib.machinery
-import importlib.util
 import io
 import os
 import shutil
@@ -15,6 +13,7 @@ from pathlib import Path
 
 import rospy
 import rostest
+from adhoc_communication import top
 from adhoc_communication.msg import NetworkState, Status
 from adhoc_communication.srv import SendString
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -214,14 +213,6 @@ class Capture(unittest.TestCase):
         self.assertIn(("alice", DATA), seen)
 
 
-def load_adhoc_top():
-    path = Path(__file__).resolve().parents[1] / "scripts" / "adhoc_top"
-    loader = importlib.machinery.SourceFileLoader("adhoc_top", str(path))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("adhoc_top", loader))
-    loader.exec_module(module)
-    return module
-
-
 class Top(unittest.TestCase):
     def run_top(self, *arguments, **environment):
         command = ["rosrun", "adhoc_communication", "adhoc_top", *arguments]
@@ -259,7 +250,6 @@ class Top(unittest.TestCase):
             import rich.console
         except ImportError:
             self.skipTest("rich is not installed")
-        top = load_adhoc_top()
         view = top.View(["/alice/adhoc_communication/network_state"])
         self.assertTrue(top.wait_for_states(view, PATIENCE))
         console = rich.console.Console(width=200, record=True, file=io.StringIO())

@@ -1,14 +1,10 @@
 """The node without a master: what it shares between the threads of rospy."""
 
-import importlib.machinery
-import importlib.util
-import os
 import pkgutil
 from types import SimpleNamespace
 from typing import Any, Callable, List
 
 import pytest
-from conftest import HERE
 
 import explorer
 
@@ -24,6 +20,7 @@ for package in (
 ):
     pytest.importorskip(package, reason="ROS is not here")
 
+from explorer import ros_node  # noqa: E402
 from explorer.agent import ExplorerAgent  # noqa: E402
 from explorer.options import Options  # noqa: E402
 
@@ -44,14 +41,8 @@ class LockTakenBefore:
 
 @pytest.fixture
 def node(monkeypatch: pytest.MonkeyPatch) -> Any:
-    loader = importlib.machinery.SourceFileLoader("explorer_node", os.path.join(HERE, "..", "nodes", "explorer"))
-    monkeypatch.setattr("sys.dont_write_bytecode", True)
-    spec = importlib.util.spec_from_loader("explorer_node", loader)
-    assert spec is not None
-    module = importlib.util.module_from_spec(spec)
-    loader.exec_module(module)
-    monkeypatch.setattr(module.rospy, "get_time", lambda: 1.0)
-    made = module.ExplorerNode.__new__(module.ExplorerNode)
+    monkeypatch.setattr(ros_node.rospy, "get_time", lambda: 1.0)
+    made = ros_node.ExplorerNode.__new__(ros_node.ExplorerNode)
     made._options = Options(robot_name="robot_0")
     made._agent = ExplorerAgent(made._options)
     return made

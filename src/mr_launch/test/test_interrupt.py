@@ -23,14 +23,17 @@ PROGRAMS = {
 }
 OF_PYTHON_ALONE = {"adhoc_communication/team_key"}  # imports nothing else
 NODES = sorted(PROGRAMS.keys() - OF_PYTHON_ALONE)
-# Read before any other: the first import that is not of Python's own takes its time, says so, and loses what comes.
+# Read before any other: the first import beside the launcher that is not of Python's own takes its time, says so, and
+# loses what comes.
 LOSING = """
 import sys, time
+
+LAUNCHER = {"adhoc_communication", "adhoc_communication.program"}
 
 
 class Losing:
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in {*sys.stdlib_module_names, "usercustomize"}:
+        if name in LAUNCHER or name.partition(".")[0] in {*sys.stdlib_module_names, "usercustomize"}:
             return
         print("importing", flush=True)
         try:
@@ -41,20 +44,37 @@ class Losing:
 
 sys.meta_path.insert(0, Losing())
 """
-WIND_UP = {  # commands that end what they have begun when they are interrupted: where they are defined
-    "mr_launch/doctor": "mr_launch.doctor.command main",
-    "mr_launch/export": "mr_launch.recordings.export_command main",
-    "mr_launch/replay": "mr_launch.recordings.replay_command main",
-    "mr_launch/soak": "mr_launch.soak.command main",
-    "mr_launch/team": "mr_launch.commands team",
-    "mr_page/bench_page": "mr_page.bench main",
-    **{
-        name: re.search(r"from (\S+) import main as command", path.read_text()).expand(r"\1 main")
-        for name, path in PROGRAMS.items()
-        if name.startswith("mr_experiments/")
-    },
-}
-PLAIN_ROUNDING = {"mr_experiments.common.plain_rounding": "def restart_with_plain_rounding():\n    pass\n"}
+CALLS = {name: re.search(r'run_program\(\s*"([\w.:]+)"', PROGRAMS[name].read_text())[1] for name in NODES}
+WIND_UP = {  # what they have begun, when they are interrupted
+    "mr_launch/doctor", "mr_launch/export", "mr_launch/replay", "mr_launch/soak", "mr_launch/team",
+    "mr_page/bench_page",
+    *(name for name in NODES if name.startswith(("adhoc_communication/", "map_merger/bench_", "mr_experiments/"))),
+}  # fmt: skip
+# Whatever a program calls says who takes Ctrl-C.
+STUBS = """
+import itertools, signal, sys
+from importlib.util import spec_from_loader
+
+MODULES = ("{0}", "mr_experiments.common.plain_rounding")
+STUBBED = {{*itertools.chain(*(itertools.accumulate(name.split("."), "{{}}.{{}}".format) for name in MODULES))}}
+
+
+class Stubs:
+    def find_spec(self, name, path=None, target=None):
+        if name in STUBBED - {{"adhoc_communication"}}:
+            return spec_from_loader(name, self, is_package=True)
+
+    def create_module(self, spec):
+        return None
+
+    def exec_module(self, module):
+        module.restart_with_plain_rounding = lambda: None
+        if module.__name__ == "{0}":
+            module.{1} = lambda *_: print(getattr(signal.getsignal(2), "name", "default_int_handler"))
+
+
+sys.meta_path.insert(0, Stubs())
+"""
 
 
 def run_node(node, folder):
@@ -94,16 +114,26 @@ def test_an_interrupt_during_the_imports_ends_a_node(node, tmp_path):
     assert (process.returncode, errors) == (-signal.SIGINT, "")
 
 
-@pytest.mark.parametrize("node", WIND_UP)
+@pytest.mark.parametrize("node", NODES)
 def test_an_interrupt_after_the_imports_lets_a_command_wind_up(node, tmp_path):
-    module, function = WIND_UP[node].split()
-    handler = "__import__('signal').getsignal(2).__name__"
-    for name, text in {**PLAIN_ROUNDING, module: f"def {function}(*_):\n    print({handler})\n"}.items():
-        place = tmp_path.joinpath(*name.split("."))
-        place.parent.mkdir(parents=True, exist_ok=True)
-        for folder in list(place.parents)[: name.count(".")]:
-            (folder / "__init__.py").touch()
-        place.with_suffix(".py").write_text(text)
-    with run_node(node, tmp_path) as process:
+    """And ends any other program until it takes signals itself."""
+    assert taker_of_interrupts(node, tmp_path) == ("default_int_handler" if node in WIND_UP else "SIG_DFL")
+
+
+@pytest.mark.parametrize("node", ["mr_launch/team", "mr_launch/monitor"])
+def test_an_interrupt_that_is_ignored_behind_an_ampersand_stays_so(node, tmp_path):
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert taker_of_interrupts(node, tmp_path) == "SIG_IGN"
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def taker_of_interrupts(node, folder):
+    """The handler of SIGINT that a program's own function finds."""
+    module, _, function = CALLS[node].partition(":")
+    (folder / "sitecustomize.py").write_text(STUBS.format(module, function or "main"))
+    with run_node(node, folder) as process:
         said, errors = process.communicate(timeout=20.0)
-    assert (said, errors) == ("default_int_handler\n", "")
+    assert errors == ""
+    return said.strip()

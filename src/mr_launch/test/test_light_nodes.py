@@ -2,15 +2,12 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-PACKAGES = Path(__file__).parents[2]
-OF_FILE = "import runpy; runpy.run_path({!r}, run_name='read')"
 NODES = {
-    "explorer": OF_FILE.format(str(PACKAGES / "explorer/nodes/explorer")),
-    "map_merger": OF_FILE.format(str(PACKAGES / "map_merger/nodes/map_merger")),
+    "explorer": "import explorer.ros_node",
+    "map_merger": "import map_merger.ros_node",
     "move_base": "import mr_robot.navigation.node",
     "slam": "import mr_robot.slam.node",
 }

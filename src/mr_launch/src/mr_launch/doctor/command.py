@@ -48,8 +48,9 @@ def names_of(words: Sequence[str]) -> tuple[str, ...]:
 
 
 def main(arguments: Sequence[str]) -> int:
+    """Words that roslaunch adds (`__name:=...`) are passed over."""
     parser = make_parser()
-    given = parser.parse_args(arguments)
+    given = parser.parse_args([word for word in arguments if ":=" not in word])
     if not 1.0 <= given.seconds <= 60.0:
         parser.error(f"--seconds {given.seconds:g} is out of range: 1 to 60")
     try:
