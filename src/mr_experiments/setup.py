@@ -1,22 +1,4 @@
 from catkin_pkg.python_setup import generate_distutils_setup
-from setuptools import setup
+from setuptools import find_packages, setup
 
-FOLDERS = (
-    "bench",
-    "common",
-    "host",
-    "host.fast",
-    "publish",
-    "replay",
-    "report",
-    "sweep",
-    "trial",
-    "worlds",
-)
-
-setup(
-    **generate_distutils_setup(
-        packages=["mr_experiments", *(f"mr_experiments.{folder}" for folder in FOLDERS)],
-        package_dir={"": "src"},
-    )
-)
+setup(**generate_distutils_setup(packages=find_packages("src"), package_dir={"": "src"}))

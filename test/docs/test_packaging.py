@@ -1,6 +1,7 @@
 """Changelogs, Dockerfiles, the workflow and tools/test name what is there, and tools/test all of it."""
 
 import re
+import runpy
 
 import pytest
 import yaml
@@ -17,6 +18,19 @@ def test_every_package_has_a_changelog(package):
     assert lines[4] == "Forthcoming" or lines[4].startswith(version.group(1))
     assert set(lines[5]) == {"-"} and len(lines[5]) == len(lines[4])
     assert all(line.startswith(("* ", "  ")) and len(line) <= 120 for line in lines[6:] if line)
+
+
+@pytest.mark.parametrize("package", [p for p in PACKAGES if (p / "setup.py").exists()], ids=lambda package: package.name)
+def test_every_folder_of_modules_is_installed(package):
+    """The doctor, playback and the override of velocities were not: they ended in an ImportError."""
+    given = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(package)
+        patch.setattr("setuptools.setup", given.update)
+        runpy.run_path("setup.py")
+    root = package / given["package_dir"][""]
+    folders = {file.parent.relative_to(root) for file in root.rglob("__init__.py")}
+    assert sorted(given["packages"]) == sorted(".".join(folder.parts) for folder in folders)
 
 
 def kinds_of_tests(package):
