@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <queue>
+#include <tuple>
+#include <utility>
 
 namespace mr_robot::navigation {
 namespace {
@@ -88,17 +92,37 @@ std::optional<double> way_clearance(const std::vector<Pose>& poses, const Veloci
   return way.nearest;
 }
 
+// Without what the heading costs.
 double time_left(const Field& field, const End& end, const Limits& limits, const Horizon& horizon) {
   if (end.arrived >= 0.0) return end.arrived;
   const double cost = cost_at(field, end.pose.x, end.pose.y);
-  if (!std::isfinite(cost)) return kUnreached;
-  double time = horizon.duration + cost * field.resolution / limits.linear;
-  if (const auto direction = downhill(field, end.pose.x, end.pose.y)) {
-    const double error = std::abs(std::remainder(*direction - end.pose.yaw, 2.0 * M_PI));
-    time += kHeadingWeight * error / limits.angular;
-  }
-  return time;
+  return std::isfinite(cost) ? horizon.duration + cost * field.resolution / limits.linear : kUnreached;
 }
+
+double time_to_turn(const Field& field, const End& end, const Limits& limits) {
+  const auto direction = end.arrived >= 0.0 ? std::nullopt : downhill(field, end.pose.x, end.pose.y);
+  if (!direction) return 0.0;
+  return kHeadingWeight * std::abs(std::remainder(*direction - end.pose.yaw, 2.0 * M_PI)) / limits.angular;
+}
+
+// A motion that can be chosen. Until it is complete its time is the least that it can be.
+struct Candidate {
+  double time;         // with what another rate of turn costs
+  std::size_t number;  // of motions that take equally long, the first is the better one
+  double way_time;
+  double change;  // of the rate of turn, as time
+  Velocity target;
+  const std::vector<Heading>* headings;
+  End end;
+  bool complete = false;
+
+  void add(double turning) {
+    time = way_time + turning + change;
+    complete = true;
+  }
+
+  bool operator>(const Candidate& other) const { return std::tie(time, number) > std::tie(other.time, other.number); }
+};
 
 std::vector<double> speeds(const Limits& limits) {
   std::vector<double> values{0.0};
@@ -163,11 +187,6 @@ Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>&
 Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, const std::vector<Obstacle>& obstacles,
               const Limits& limits, const Footprint& footprint, const Horizon& horizon, double period) {
   constexpr int kTurns = 12;  // to each side
-  struct Candidate {
-    Velocity target;
-    const std::vector<Heading>* headings;
-    double time;
-  };
   std::vector<double> rates;
   std::vector<std::vector<Heading>> headings;
   for (int side = -kTurns; side <= kTurns; ++side) {
@@ -182,18 +201,26 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
       const Velocity target{linear, rates[i]};
       if (linear > 0.0 && std::abs(rates[i]) > limits.curvature * linear) continue;
       const End end = drive(&field, pose, velocity.linear, linear, headings[i], limits, horizon, [](const Pose&) {});
-      double time = time_left(field, end, limits, horizon);
-      time += kSteadiness * std::abs(target.angular - velocity.angular);
-      if (time < kUnreached) candidates.push_back({target, &headings[i], time});
+      const double time = time_left(field, end, limits, horizon);
+      const double change = kSteadiness * std::abs(target.angular - velocity.angular);
+      if (time + change >= kUnreached) continue;
+      candidates.push_back({time + change, candidates.size(), time, change, target, &headings[i], end});
     }
   }
-  // Whether a motion touches something takes longest to find out, so the best ones are asked first.
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.time < b.time; });
+  // Whether a motion touches something takes longest to find out, and how it would head long: the best ones are asked
+  // first.
+  std::priority_queue open(std::greater<>{}, std::move(candidates));
   Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
   std::vector<Pose> poses;
-  for (const Candidate& candidate : candidates) {
+  while (!open.empty()) {
+    Candidate candidate = open.top();
+    open.pop();
+    if (!candidate.complete) {
+      candidate.add(time_to_turn(field, candidate.end, limits));
+      open.push(candidate);
+      continue;
+    }
     poses.clear();
     drive(&field, pose, velocity.linear, candidate.target.linear, *candidate.headings, limits, horizon,
           [&](const Pose& reached) { poses.push_back(reached); });

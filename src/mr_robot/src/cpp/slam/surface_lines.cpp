@@ -10,6 +10,8 @@ constexpr int kNeighbours = 2;        // cells around a surface that make up its
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
 constexpr double kMatureScans = 2.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
 constexpr double kSameSide = 0.7;     // cosine
+constexpr double kBesideCells =
+    0.999;  // edges of a cell, to a surface that no one beyond the cells beside is nearer than
 constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
 
 bool same_side(const Surface& surface, const Point& normal) {
@@ -18,8 +20,8 @@ bool same_side(const Surface& surface, const Point& normal) {
 
 Cell around(const Cell& cell, int offset) { return {cell.x + offset, cell.y + offset}; }
 
-const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
-  const int radius = static_cast<int>(std::ceil(reach / map.resolution()));
+// Of the surfaces in the cells up to `radius` around, within `reach`.
+const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach, int radius) {
   const Cell center = map.cell_of(point);
   const Surface* best = nullptr;
   double best_distance = reach * reach;
@@ -31,6 +33,13 @@ const Surface* nearest(const GridMap& map, const Point& point, const Point& norm
     best_distance = distance;
   });
   return best;
+}
+
+const Surface* nearest(const GridMap& map, const Point& point, const Point& normal, double reach) {
+  // Mostly there is one in the cells beside, and none farther away can be nearer.
+  const double beside = std::min(reach, kBesideCells * map.resolution());
+  if (const Surface* found = nearest(map, point, normal, beside, 1)) return found;
+  return nearest(map, point, normal, reach, static_cast<int>(std::ceil(reach / map.resolution())));
 }
 
 // The line through the nearest surface and its neighbours. A single cell would not do: a wall on the border of two
