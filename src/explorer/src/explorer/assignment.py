@@ -4,7 +4,6 @@ import math
 from typing import Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 Position = Tuple[float, float]
 
@@ -18,6 +17,8 @@ def assign(costs: np.ndarray) -> Dict[int, int]:
     Rectangular matrices need no padding. Entries that are infinite (or `FORBIDDEN` and above) are never assigned:
     as many as possible of the others are, at the least sum.
     """
+    from scipy.optimize import linear_sum_assignment  # slow to import, and many a program only names strategies
+
     costs = np.asarray(costs, dtype=float)
     if costs.size == 0:
         return {}

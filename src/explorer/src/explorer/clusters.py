@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Dict, FrozenSet, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from explorer._kernels import components, lines_are_clear
 from explorer.frontiers import Frontier
@@ -76,6 +75,8 @@ def group(points: np.ndarray, occupancy: Optional[OccupancyMap] = None) -> np.nd
     points = np.asarray(points, dtype=float).reshape(-1, 2)
     if len(points) == 0:
         return np.zeros(0, dtype=np.int64)
+    from scipy.spatial import cKDTree  # slow to import, and many a program only names strategies
+
     pairs = cKDTree(points).query_pairs(JOINING_DISTANCE, p=math.inf, output_type="ndarray")
     if len(pairs) and occupancy is not None:
         cells = occupancy.info.cells_of(points)

@@ -9,6 +9,8 @@ from typing import Any, Callable, Dict, Optional, Tuple
 
 import actionlib
 import rospy
+import scipy.optimize  # both are imported where decisions first need them, and a mission must not wait for that
+import scipy.spatial  # noqa: F401
 import tf2_ros
 from adhoc_communication.msg import ExpAuction, ExpFrontier, MmListOfPoints, Status
 from adhoc_communication.srv import SendExpAuction, SendExpFrontier, SendMessage

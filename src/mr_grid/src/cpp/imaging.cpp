@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <vector>
@@ -171,6 +172,7 @@ py::array_t<std::int64_t> robot_traces(const Array<std::int8_t>& cells, int occu
 PYBIND11_MODULE(_imaging, module) {
   module.def("robot_traces", &robot_traces, py::arg("cells"), py::arg("occupied_from"), py::arg("resolution"),
              py::arg("origin"), py::arg("places"), py::arg("most_apart"), py::arg("largest"));
+  module.attr("OPENCV_VERSION") = CV_VERSION;
   module.def("use_threads", &cv::setNumThreads, py::arg("count"));
   module.def("parts", &parts, py::arg("mask"));
   module.def("part_labels", &part_labels, py::arg("mask"));

@@ -10,6 +10,8 @@ import numpy as np
 
 from mr_grid import _imaging
 
+OPENCV_VERSION: str = _imaging.OPENCV_VERSION
+
 
 class Parts(NamedTuple):
     """Cells that hang together (8 neighbours), numbered from 1 on; 0 is all the rest.

@@ -11,11 +11,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from types import ModuleType
 
-import cv2
 import numpy as np
 import scipy
 from rospkg import ResourceNotFound
 
+from mr_grid.imaging import OPENCV_VERSION
 from mr_measures.record.ros_packages import folder_of, version_of
 
 PACKAGES = {
@@ -41,7 +41,7 @@ def versions(host: str, worlds: Sequence[Path]) -> dict[str, str]:
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
-        "opencv": cv2.__version__,
+        "opencv": OPENCV_VERSION,
         "byteorder": sys.byteorder,
     }
 
