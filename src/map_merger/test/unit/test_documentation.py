@@ -49,9 +49,8 @@ def test_parameters_without_effect_are_listed_with_the_reason():
 
 
 def test_topics_and_services_of_the_table_are_those_of_the_node():
-    node = text_of("nodes", "map_merger") + "".join(
-        text_of("src", "map_merger", name) for name in ("ros_io.py", "ros_outputs.py", "ros_radio.py", "ros_inputs.py")
-    )
+    files = ("ros_node.py", "ros_io.py", "ros_outputs.py", "ros_radio.py", "ros_inputs.py")
+    node = "".join(text_of("src", "map_merger", name) for name in files)
     parameters = {f"<{name}>" for name in PARAMETERS}
     for row in table("Topics") + table("Services"):
         name = row[0].strip("`").replace("<prefix>/", "")
