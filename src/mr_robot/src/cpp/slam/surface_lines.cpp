@@ -10,8 +10,8 @@ constexpr int kNeighbours = 2;        // cells around a surface that make up its
 constexpr double kMatureHits = 20.0;  // of a line, for its full weight
 constexpr double kMatureScans = 2.0;  // same; what was hit in one scan only, such as a robot that drives, has no weight
 constexpr double kSameSide = 0.7;     // cosine
-constexpr double kBesideCells =
-    0.999;  // edges of a cell, to a surface that no one beyond the cells beside is nearer than
+// Edges of a cell: a surface within them, in the cell of a hit or beside it, is nearer than all beyond.
+constexpr double kBesideCells = 0.999;
 constexpr double kSamePlace = 0.005;  // m, a hit that moves less between two iterations keeps its line
 
 bool same_side(const Surface& surface, const Point& normal) {
