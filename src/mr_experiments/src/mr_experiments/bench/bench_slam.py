@@ -6,14 +6,14 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mr_experiments.bench.real_logs import judge, scan_logs
+from mr_experiments.bench.real_logs import PathErrors, judge, scan_logs
 from mr_experiments.bench.real_logs import measures_of as measures_of_path
 from mr_experiments.bench.slam_comparison import (
     OURS,
@@ -24,18 +24,21 @@ from mr_experiments.bench.slam_comparison import (
     printed,
     table,
 )
-from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, Kind, drives, slam_of, truth_of
+from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, MOST_MEMORY, Kind, drives, slam_of, truth_of
 from mr_experiments.bench.slam_peers import peers
+from mr_experiments.common.bounded import Bounds, NoResult, Result, bounded
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.trial.trial import TrialError
 from mr_robot.slam.engine import Slam, SlamError
 from mr_sim.scan_log import ScanLog
 from mr_sim.slam_evaluation import Engine, Evaluation, evaluate
-from mr_sim.worlds import label_of
 
 BIAS, WALK = "a constant bias", "a random walk"
 LOOP_END = 0.3  # m, 0.95 quantile of the position's error where large loops end
 PER_SCAN = (4.0, 60.0)  # ms, mean and worst
+LOG_TIME = (60.0, 0.2)  # s of processor time, at most, for a log and for each of its scans: fifty times the bar
+NO_RESULT = Evaluation(math.inf, math.inf, math.inf, np.empty(0), math.inf, math.inf, 0.0, 1.0, (math.inf, math.inf))
+NO_PATH = PathErrors(math.inf, math.inf, math.inf, (math.inf, math.inf))
 
 Make = Callable[[ScanLog], Engine]
 Row = dict[str, Any]  # what, bar, value, unit, holds, detail
@@ -129,49 +132,96 @@ def _slowest_first(by_kind: Mapping[str, float]) -> str:
     return ", ".join(f"{kind} {value:.1f}" for kind, value in sorted(by_kind.items(), key=lambda each: -each[1]))
 
 
-def judged(logs: Iterable[ScanLog], name: str, make: Make) -> list[Evaluation]:
-    """One engine on logs, a new one for each."""
-    results = []
-    for log in logs:
-        results.append(evaluate(log, truth_of(log), make(log)))
-        print(f"{label_of(log.world)}, {name}: wrong walls {100 * results[-1].wrong_walls:.1f} %, position error "
-              f"{results[-1].q95_error:.3f} m", flush=True)  # fmt: skip
-    return results
+@dataclass
+class Judged:
+    """What became of one engine on logs. `results` of those on which it ended, with their numbers of `scans`; `failed`:
+    the others, in words."""
+
+    results: list[Evaluation] = field(default_factory=list)
+    scans: list[int] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
+
+    @property
+    def with_lost(self) -> list[Evaluation]:
+        """A log on which an engine does not end counts as infinitely wrong."""
+        return self.results + [NO_RESULT] * len(self.failed)
+
+
+def judged(logs: Mapping[str, ScanLog], name: str, make: Make) -> Judged:
+    """One engine on logs by name, a new one for each, in a process of its own."""
+    found = Judged()
+    for called, log in logs.items():
+        label = f"{called}, {name}"
+        try:
+            result = within_bounds(log, lambda log: evaluate(log, truth_of(log), make(log)))
+        except NoResult as error:
+            found.failed.append(f"{label}: {error}")
+            print(f"FAILED {found.failed[-1]}", flush=True)
+            continue
+        found.results.append(result)
+        found.scans.append(len(log.times))
+        print(f"{label}: wrong walls {100 * result.wrong_walls:.1f} %, position error {result.q95_error:.3f} m",
+              flush=True)  # fmt: skip
+    return found
+
+
+def within_bounds(log: ScanLog, task: Callable[[ScanLog], Result]) -> Result:
+    """What the task returns for the log. Raises NoResult."""
+    return bounded(lambda: task(log), Bounds(LOG_TIME[0] + LOG_TIME[1] * len(log.times), MOST_MEMORY))
+
+
+def failed_row(failed: Sequence[str]) -> Row:
+    """Logs on which our SLAM did not end, or which could not be recorded: no other row counts them."""
+    return _row("logs without a result", 0.0, float(len(failed)), "logs", "; ".join(failed) or "each has one")
 
 
 def own_rows(given: argparse.Namespace) -> list[Row]:
     rows: list[Row] = []
     spent: list[Spent] = []
+    failed: list[str] = []
     for name in given.kinds:
-        for odometry, logs in _logs(KINDS[name], given):
-            results = judged(logs, OURS, slam_of)
-            rows += rows_of(name, KINDS[name].walls, odometry, results)
-            rows += [loop_row(name, results)] if KINDS[name].loops else []
-            spent += [Spent(name, len(log.times), *each.milliseconds) for log, each in zip(logs, results)]
+        settings, lost = _logs(KINDS[name], given)
+        failed += lost
+        for odometry, logs in settings:
+            found = judged(logs, OURS, slam_of)
+            failed += [f"odometry with {odometry}, {each}" for each in found.failed]
+            if found.results:
+                rows += rows_of(name, KINDS[name].walls, odometry, found.results)
+                rows += [loop_row(name, found.results)] if KINDS[name].loops else []
+            spent += [Spent(name, scans, *each.milliseconds) for scans, each in zip(found.scans, found.results)]
     if given.real_logs:
-        real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed})
-    return rows + (time_rows(spent) if spent else [])
+        _, lost = real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed})
+        failed += lost
+    return [*rows, *(time_rows(spent) if spent else []), failed_row(failed)]
 
 
-def _logs(kind: Kind, given: argparse.Namespace) -> list[tuple[str, list[ScanLog]]]:
-    """With each model of odometry that the kind is judged with."""
-    taken = list(drives(kind, given.first_seed, given.missions, Path(given.logs)))
-    walking = (WALK, [drive.walking for drive in taken])
-    return [walking] if kind.loops else [(BIAS, [drive.biased for drive in taken]), walking]
+def _logs(kind: Kind, given: argparse.Namespace) -> tuple[list[tuple[str, dict[str, ScanLog]]], list[str]]:
+    """By name, with each model of odometry that the kind is judged with; and those that could not be recorded, in
+    words."""
+    taken, failed = drives(kind, given.first_seed, given.missions, Path(given.logs))
+    walking = (WALK, {drive.name: drive.walking for drive in taken})
+    return [walking] if kind.loops else [(BIAS, {drive.name: drive.biased for drive in taken}), walking], failed
 
 
 def peer_rows(given: argparse.Namespace) -> list[Row]:
     others = peers()
+    engines: dict[str, Make] = {OURS: slam_of, **others}
     settings: dict[Setting, Engines] = {}
+    failed: list[str] = []
     for name in given.kinds:
         if KINDS[name].loops:
             continue
-        for odometry, logs in _logs(KINDS[name], given):
-            engines: dict[str, Make] = {OURS: slam_of, **others}
-            settings[name, odometry] = {each: measures_of(judged(logs, each, make)) for each, make in engines.items()}
+        taken, lost = _logs(KINDS[name], given)
+        failed += lost
+        for odometry, logs in taken:
+            found = {each: judged(logs, each, make) for each, make in engines.items()} if logs else {}
+            if found:
+                failed += [f"odometry with {odometry}, {each}" for each in found[OURS].failed]
+                settings[name, odometry] = {each: measures_of(one.with_lost) for each, one in found.items()}
     if given.real_logs:
-        settings |= real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed, **others})
-    return compared(settings) if settings else []
+        real, lost = real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed, **others})
+        settings, failed = settings | real, failed + lost
+    return (compared(settings) if settings else []) + ([failed_row(failed)] if failed else [])
 
 
 def undescribed(_: ScanLog) -> Slam:
@@ -179,20 +229,33 @@ def undescribed(_: ScanLog) -> Slam:
     return Slam()
 
 
-def real_settings(folder: Path, seed: int, engines: Mapping[str, Make]) -> dict[Setting, Engines]:
-    """Each log of the folder is a setting of its own."""
+def real_settings(folder: Path, seed: int, engines: Mapping[str, Make]) -> tuple[dict[Setting, Engines], list[str]]:
+    """Each log of the folder is a setting of its own; and on which logs ours did not end, in words."""
     settings: dict[Setting, Engines] = {}
+    failed: list[str] = []
     try:
         logs = list(scan_logs(folder, seed))
     except ValueError as error:
         raise CallError(f"--real-logs: {error}") from None
     for log in logs:
-        errors = {name: judge(log, make(log)) for name, make in engines.items()}
-        for name, each in errors.items():
-            print(f"{log.world}, {name}: position error {each.position:.3f} m, relations {each.relation:.3f} m, "
-                  f"{math.degrees(each.turn):.2f} deg", flush=True)  # fmt: skip
+        errors: dict[str, PathErrors] = {}
+        for name, make in engines.items():
+            try:
+                each = within_bounds(log, _judging(make))
+            except NoResult as error:
+                each = NO_PATH
+                failed += [f"{log.world}, {name}: {error}"] if name == OURS else []
+                print(f"FAILED {log.world}, {name}: {error}", flush=True)
+            else:
+                print(f"{log.world}, {name}: position error {each.position:.3f} m, relations {each.relation:.3f} m, "
+                      f"{math.degrees(each.turn):.2f} deg", flush=True)  # fmt: skip
+            errors[name] = each
         settings[log.world, WALK] = {name: measures_of_path(each) for name, each in errors.items()}
-    return settings
+    return settings, failed
+
+
+def _judging(make: Make) -> Callable[[ScanLog], PathErrors]:
+    return lambda log: judge(log, make(log))
 
 
 def compared(settings: Mapping[Setting, Engines]) -> list[dict[str, Any]]:

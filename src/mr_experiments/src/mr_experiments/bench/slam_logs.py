@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from mr_experiments.common.bounded import Bounds, NoResult, bounded
 from mr_experiments.host.mission import Mission
 from mr_experiments.host.parameters import Member, slam_options
 from mr_experiments.trial.scenario import load_scenario
@@ -23,6 +24,8 @@ from mr_sim.worlds import label_of
 STRATEGY = 7
 LIMIT = 900.0  # s of a mission
 FIRST_SEED = 73001
+MISSION_TIME = 1800.0  # s of processor time, at most, to record one
+MOST_MEMORY = min(4 << 30, os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2)  # octets, of one log
 
 
 @dataclass(frozen=True)
@@ -55,17 +58,24 @@ says nothing."""
 
 @dataclass(frozen=True)
 class Drive:
-    """One log with odometry as it was recorded, and with one whose errors wander."""
+    """One log, called as its file, with odometry as it was recorded, and with one whose errors wander."""
 
+    name: str
     biased: ScanLog
     walking: ScanLog
 
 
-def drives(kind: Kind, first_seed: int, most: int | None, folder: Path) -> Iterator[Drive]:
-    """All of the kind, or the first ones."""
+def drives(kind: Kind, first_seed: int, most: int | None, folder: Path) -> tuple[list[Drive], list[str]]:
+    """All of the kind, or the first ones; and those that could not be recorded, in words."""
+    found, failed = [], []
     for trial in trials(kind, first_seed, most):
-        log = recorded(trial, folder)
-        yield Drive(log, with_random_walk(log, *kind.odometry_error, trial.seed))
+        try:
+            log = recorded(trial, folder)
+        except NoResult as error:
+            failed.append(f"{name_of(trial)}, recorded: {error}")
+        else:
+            found.append(Drive(name_of(trial), log, with_random_walk(log, *kind.odometry_error, trial.seed)))
+    return found, failed
 
 
 def trials(kind: Kind, first_seed: int, most: int | None = None) -> list[Trial]:
@@ -77,14 +87,19 @@ def trials(kind: Kind, first_seed: int, most: int | None = None) -> list[Trial]:
 
 
 def recorded(trial: Trial, folder: Path) -> ScanLog:
-    """The log of the trial's first robot, recorded unless it is there."""
-    path = folder / f"{label_of(trial.world)}-s{trial.seed}.npz"
+    """The log of the trial's first robot, recorded unless it is there. Raises NoResult where its mission does not
+    end."""
+    path = folder / f"{name_of(trial)}.npz"
     if path.is_file():
         return ScanLog.load(path)
     folder.mkdir(parents=True, exist_ok=True)
-    log = record(trial)
+    log = bounded(lambda: record(trial), Bounds(MISSION_TIME, MOST_MEMORY))
     log.save(path)
     return log
+
+
+def name_of(trial: Trial) -> str:
+    return f"{label_of(trial.world)}-s{trial.seed}"
 
 
 def record(trial: Trial) -> ScanLog:
