@@ -20,7 +20,7 @@ def test_every_package_has_a_changelog(package):
     assert all(line.startswith(("* ", "  ")) and len(line) <= 120 for line in lines[6:] if line)
 
 
-@pytest.mark.parametrize("package", [p for p in PACKAGES if (p / "setup.py").exists()], ids=lambda package: package.name)
+@pytest.mark.parametrize("package", [p for p in PACKAGES if (p / "setup.py").exists()], ids=lambda p: p.name)
 def test_every_folder_of_modules_is_installed(package):
     """The doctor, playback and the override of velocities were not: they ended in an ImportError."""
     given = {}
