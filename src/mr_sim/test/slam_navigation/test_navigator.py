@@ -17,7 +17,7 @@ from mr_robot.navigation.command import GivenUp
 from mr_robot.navigation.engine import Command, Navigator, Status
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.manoeuvre import Manoeuvre
-from mr_robot.navigation.motion import STOP, Motion, bare, outside
+from mr_robot.navigation.motion import STOP, Motion, bare
 from mr_robot.navigation.obstacles import ObstacleMemory
 from mr_robot.navigation.options import AT_REST, STANDING, NavigationError, NavigationOptions, Scan, make_scan
 from mr_robot.navigation.planner import CostMap, Plan, path, plan
@@ -914,7 +914,7 @@ def test_what_seems_to_be_inside_the_body_frees_no_motion_into_the_rest() -> Non
     """A wall drawn where the robot stood was touched already, and so a jamb beside it might be as well."""
     drawn, jamb = [(2.0 + x, 2.1, 0.02, 0.0) for x in np.arange(-0.15, 0.2, 0.05)], [(2.28, 2.1, 0.05, 0.0)]
     inexact = [(2.0, 2.17, 0.02, 0.0)]
-    around = outside(Pose(2.0, 2.0, 0.0), np.array(drawn + jamb + inexact), FOOTPRINT)
+    around = _navigation.outside(Pose(2.0, 2.0, 0.0), np.array(drawn + jamb + inexact), FOOTPRINT)
     assert around.tolist() == np.array(jamb + inexact).tolist()
 
 
