@@ -217,6 +217,14 @@ def test_a_robot_whose_simulated_time_is_real_is_refused(mission, capsys):
     assert "export: anna: nothing was recorded from second 30 to 1795831030 of its clock" in capsys.readouterr().err
 
 
+def test_a_robot_whose_clock_was_never_set_and_that_nothing_ties_is_exported(tmp_path, capsys):
+    """It keeps its own time, as decades apart as that may be, and is no reason to refuse the others."""
+    record(tmp_path / "anna" / "topics_1.bag", "anna", 1_795_831_000 * SECOND, hears=False)
+    record(tmp_path / "bob" / "topics_1.bag", "bob", hears=False)
+    assert main([str(tmp_path)]) == 0
+    assert "export: nothing ties the clock of bob to the others" in capsys.readouterr().err
+
+
 def test_messages_that_cannot_be_decoded_are_counted_and_left_out(mission, capsys):
     """Once one of them ended the export with a traceback."""
     bag, frame = mission / "anna" / "anna.bag", b"\x0f\0\0\0base_laser_link"

@@ -92,9 +92,11 @@ def _check_clocks(sources: Sequence[_Source], result: Exported) -> None:
     """Raises UserError where times are those of two clocks: of one robot's bags, then of one beside the others."""
     for source in sources:
         _check_pause(source, source.survey.span)
-    for source in sources:
-        if source.robot not in result.untimed:
-            _check_pause(source, Span(*(time - source.shift for time in result.span)))
+    timed = [source for source in sources if source.robot not in result.untimed]
+    start = min(source.survey.span.start + source.shift for source in timed)
+    end = max(source.survey.span.end + source.shift for source in timed)
+    for source in timed:
+        _check_pause(source, Span(start - source.shift, end - source.shift))
 
 
 def _check_pause(source: _Source, span: Span) -> None:
