@@ -22,17 +22,6 @@ def transforms(stamp, chain):
         yield transform
 
 
-def publish_time(clock, wanted):
-    """Returns the publisher of /clock, None where there is none."""
-    if clock is not None and not wanted:
-        clock.unregister()
-    if not wanted:
-        return None
-    clock = clock or rospy.Publisher("/clock", Clock, queue_size=1)
-    clock.publish(rospy.Time.from_sec(time.time()))
-    return clock
-
-
 def main():
     rospy.init_node("slam", disable_rostime=True)
     clock = None
@@ -46,7 +35,12 @@ def main():
     turn = 0
     while not rospy.is_shutdown():
         faults = rospy.get_param("~faults", [])
-        clock = publish_time(clock, "clock" not in faults)
+        if "clock" not in faults:
+            clock = clock or rospy.Publisher("/clock", Clock, queue_size=1)
+            clock.publish(rospy.Time.from_sec(time.time()))
+        elif clock:
+            clock.unregister()
+            clock = None
         now = rospy.Time.from_sec(time.time()) - rospy.Duration(5.5 if "stamps" in faults else 0.0)
         scan = LaserScan(range_min=0.1, range_max=8.0, angle_max=math.pi, ranges=[1.0] * 10)
         scan.header.stamp, scan.header.frame_id = now, "laser"

@@ -46,6 +46,11 @@ class LiveMaster:
         for name in names:
             self._ask("deleteParam", "/" + name.replace("__", "/"))
 
+    def published(self):
+        """Names of topics."""
+        publishers, _, _ = self._ask("getSystemState")
+        return [topic for topic, _ in publishers]
+
     def _ask(self, question, *words):
         """What the master answers; None where it does not."""
         try:
@@ -59,11 +64,6 @@ class LiveMaster:
         while not done():
             assert time.monotonic() < end, "not ready"
             time.sleep(0.1)
-
-    def publishes(self, topic):
-        """Whether anybody does."""
-        publishers, _, _ = self._ask("getSystemState")
-        return any(name == topic for name, _ in publishers)
 
     def wait_for_node(self, name):
         self.wait_for(lambda: self._ask("lookupNode", name))

@@ -127,6 +127,7 @@ HEALTHY_ROBOTS = {
     "in simulation, a driver that stamps rightly by itself": replace(
         HEALTHY, clock=Clock(True, ("/gazebo",), ignored_by=("/laser",))
     ),
+    "a driver that listens to /clock, which nobody publishes": replace(HEALTHY, clock=Clock(awaited_by=("/laser",))),
     "a base station": replace(
         HEALTHY,
         set_up=set_up_of({**{n: PARAMETERS[n] for n in NODES[:2]}, "map_merger": {"has_local_map": False}}),
@@ -267,11 +268,6 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         "/player publishes /clock",
         "use_sim_time",
     ),
-    "nodes that began while time was simulated": (
-        replace(with_topic("map", rate=0.0), clock=Clock(False, awaited_by=("/explorer", "/slam"))),
-        "simulated time, which nobody publishes any more, is waited for by /explorer, /slam",
-        "start again what began while /use_sim_time",
-    ),
     "nodes that began before time was simulated": (
         replace(with_topic("map", rate=0.0), clock=Clock(True, ("/robot",), ignored_by=("/explorer", "/slam"))),
         "the computer's clock, not /clock, tells the time to /explorer, /slam",
@@ -281,6 +277,21 @@ BROKEN = {  # cause: facts, words of the finding, words of the remedy
         replace(with_topic("scan", age=-1.8e9), clock=Clock(True, ("/player",), ignored_by=("/laser",))),
         "the computer's clock, not /clock, tells the time to /laser",
         "start again what began before /use_sim_time",
+    ),
+    "nodes that began when time was simulated": (
+        replace(
+            with_topic("map", rate=0.0),
+            clock=Clock(awaited_by=("/adhoc_communication", "/slam")),
+            radio=Radio(False),
+            links=LINKS[1:],
+        ),
+        "nobody publishes /clock, for which /adhoc_communication, /slam wait",
+        "start again what began before /use_sim_time was false",
+    ),
+    "a driver that began when time was simulated": (
+        replace(with_topic("scan", rate=0.0), clock=Clock(awaited_by=("/laser",)), links=LINKS[:3]),
+        "nobody publishes /clock, for which /laser waits",
+        "start again what began before /use_sim_time was false",
     ),
     "no laser": (with_topic("scan", publishers=(), kind="", rate=0.0), "nobody publishes /scan", "scan_topic:="),
     "wrong topic of the laser": (

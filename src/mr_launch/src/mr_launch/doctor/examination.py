@@ -20,7 +20,7 @@ import rospy
 from adhoc_communication.msg import Status
 from adhoc_communication.srv import GetNeighbors
 
-from mr_launch.doctor.facts import FRAME_SIZE, HUB, Facts, Master, Radio, SetUp, Topic
+from mr_launch.doctor.facts import FRAME_SIZE, HUB, Clock, Facts, Master, Radio, SetUp, Topic
 from mr_launch.doctor.listener import TYPES, Listener
 from mr_launch.doctor.machine import computer_of, fault_of_name, hub_of, interface_of, key_file_of
 from mr_launch.doctor.set_up import BODY, folders_of, frame_size_of, parameters_of, set_up_of, topics_of
@@ -114,7 +114,6 @@ class Robot:
         graph = Graph(dict(publishers), dict(subscribers), kinds)
         topics = self._topics(facts.set_up, graph)
         simulated = self._is_simulated()
-        with_clock, without_clock = self._parted_by_clock(running, topics, graph)
         listener = Listener(topics, simulated)
         rospy.Subscriber(f"{self._namespace}adhoc_communication/status", Status, self._on_status, queue_size=1)
         began = time.monotonic()
@@ -126,11 +125,7 @@ class Robot:
             computer=computer,
             running=running,
             astray=astray,
-            clock=replace(
-                listener.clock(graph.publishers("/clock")),
-                ignored_by=without_clock if simulated else (),
-                awaited_by=() if simulated else with_clock,
-            ),
+            clock=self._of_all_nodes(listener.clock(graph.publishers("/clock")), running, topics, graph),
             topics=listener.topics(),
             links=listener.links(),
             radio=self._radio(answers, listener),
@@ -163,17 +158,16 @@ class Robot:
                     found[node] = host
         return found
 
-    def _parted_by_clock(
-        self, running: Iterable[str], topics: Mapping[str, Topic], graph: Graph
-    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Nodes and drivers of the robot that listen to /clock, and those that do not, by full names. Who simulates it
-        need not."""
+    def _of_all_nodes(self, clock: Clock, running: Iterable[str], topics: Mapping[str, Topic], graph: Graph) -> Clock:
+        """With nodes and drivers of the robot that began when `simulated` was otherwise. Who simulates the robot need
+        not listen to /clock."""
         nodes = {self._namespace + node for node in running if node != BODY}
         drivers = {node for purpose in TYPES if purpose in topics for node in topics[purpose].publishers}
-        makers = {self._namespace + BODY, *graph.publishers("/clock")}
         listeners = set(graph.subscribers("/clock"))
-        others = (nodes | drivers) - makers
-        return tuple(sorted(others & listeners)), tuple(sorted(others - listeners))
+        if not clock.simulated:
+            return replace(clock, awaited_by=tuple(sorted((nodes | drivers) & listeners)))
+        makers = {self._namespace + BODY, *graph.publishers("/clock")}
+        return replace(clock, ignored_by=tuple(sorted((nodes | drivers) - makers - listeners)))
 
     def _topics(self, set_up: SetUp, graph: Graph) -> dict[str, Topic]:
         """What the nodes of a robot with a body need. Where a launch file renames one, the node's own word counts."""

@@ -127,9 +127,9 @@ class Link:
 
 @dataclass(frozen=True)
 class Clock:
-    """`simulated`: the nodes take the time from /clock; `publishers` of it; `runs`: it went on meanwhile; `ignored_by`:
-    nodes that do not listen to it though it is `simulated`, `awaited_by`: those that do though it is not, by full
-    names."""
+    """`simulated`: nodes that start now take the time from /clock; `publishers` of it; `runs`: it went on meanwhile. By
+    full names, nodes that began when that was otherwise: `ignored_by` those that do not listen to /clock though time is
+    `simulated`, `awaited_by` those that do though it is not."""
 
     simulated: bool = False
     publishers: tuple[str, ...] = ()

@@ -96,9 +96,6 @@ def check_time(facts: Facts) -> Iterator[Finding]:
     elif not clock.simulated and clock.publishers:
         what = f"{clock.publishers[0]} publishes /clock, and the nodes do not use it"
         yield Finding("time", what, "rosparam set /use_sim_time true and start the nodes again, or end that node")
-    elif clock.awaited_by:
-        what = f"simulated time, which nobody publishes any more, is waited for by {', '.join(clock.awaited_by)}"
-        yield Finding("time", what, "start again what began while /use_sim_time was true")
 
 
 def check_clocks(facts: Facts) -> Iterator[Finding]:
@@ -107,21 +104,44 @@ def check_clocks(facts: Facts) -> Iterator[Finding]:
     if nodes:
         what = f"the computer's clock, not /clock, tells the time to {', '.join(nodes)}"
         yield Finding("time", what, "start again what began before /use_sim_time was true")
+    waiting = _waiting(facts)
+    if waiting:
+        what = f"nobody publishes /clock, for which {', '.join(waiting)} wait{'s' if len(waiting) == 1 else ''}"
+        yield Finding("time", what, "start again what began before /use_sim_time was false")
+
+
+def _waiting(facts: Facts) -> tuple[str, ...]:
+    """Full names of nodes whose time stands though it is not simulated: they hang."""
+    if facts.clock is None or facts.clock.publishers:
+        return ()
+    return tuple(node for node in facts.clock.awaited_by if node not in _timely(facts))
+
+
+def _waits(facts: Facts, name: str) -> bool:
+    return any(node.rpartition("/")[2] == name for node in _waiting(facts))
 
 
 def _by_another_clock(facts: Facts) -> tuple[str, ...]:
-    """Full names. A driver may know the time from elsewhere: its stamps tell."""
+    """Full names."""
     if facts.clock is None:
         return ()
-    drivers = [topic for purpose, topic in facts.topics.items() if purpose in _DRIVERS]
-    right = {node for topic in drivers if topic.heard and abs(topic.age) <= OLDEST for node in topic.publishers}
-    return tuple(node for node in facts.clock.ignored_by if node not in right)
+    return tuple(node for node in facts.clock.ignored_by if node not in _timely(facts))
+
+
+def _timely(facts: Facts) -> set[str]:
+    """Drivers whose stamps tell that they know the time, if from elsewhere, by full names."""
+    drivers = _driver_topics(facts)
+    return {node for topic in drivers if topic.heard and abs(topic.age) <= OLDEST for node in topic.publishers}
+
+
+def _driver_topics(facts: Facts) -> list[Topic]:
+    return [topic for purpose, topic in facts.topics.items() if purpose in _DRIVERS]
 
 
 def check_drivers(facts: Facts) -> Iterator[Finding]:
     if _time_stands(facts):
         return
-    by_another_clock = set(_by_another_clock(facts))
+    by_another_clock = {*_by_another_clock(facts), *_waiting(facts)}
     for purpose, (device, argument, least) in _DRIVERS.items():
         topic = facts.topics.get(purpose)
         if topic is not None and not by_another_clock & set(topic.publishers):  # these are named themselves
@@ -181,7 +201,9 @@ def check_frames(facts: Facts) -> Iterator[Finding]:
     yield from _doubled(facts)
     if facts.set_up is None or not facts.set_up.nodes or not facts.set_up.has_body:
         return
-    if _time_stands(facts) or list(check_drivers(facts)):
+    if _time_stands(facts) or list(check_drivers(facts)) or _waits(facts, "slam"):
+        return
+    if any(set(topic.publishers) & set(_waiting(facts)) for topic in _driver_topics(facts)):
         return
     chain = _chain(facts, facts.set_up)
     parents: dict[str, set[str]] = {}
@@ -235,14 +257,15 @@ def check_radio(facts: Facts) -> Iterator[Finding]:
     radio = facts.radio
     if radio is None or "adhoc_communication" not in facts.running:
         return
-    if not radio.answers:
+    waits = _waits(facts, "adhoc_communication")
+    if not radio.answers and not waits:
         what = "adhoc_communication runs and does not answer"
         yield Finding("radio", what, "see its log; rosnode kill /adhoc_communication, it is started again")
         return
     for complaint in radio.complaints:
         yield Finding("radio", _without_remedy(complaint.text), _remedy_of(complaint))
     away = [peer for peer in facts.peers if peer not in radio.robots]
-    if away:
+    if away and not waits:
         heard = f"heard: {', '.join(radio.robots)}" if radio.robots else "nobody is heard"
         remedy = "does it run there, on the same channel, in reach? docs/troubleshooting.md, No neighbours"
         yield Finding("peers", f"{', '.join(away)} cannot be reached ({heard})", remedy)
