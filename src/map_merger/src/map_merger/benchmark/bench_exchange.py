@@ -1,13 +1,12 @@
 """Benchmark of the exchange of maps: prints a table and writes rows {what, bar, value, unit, holds, detail} as JSON."""
 
 import argparse
-import json
-import os
 import sys
 
 import numpy as np
 
 from map_merger import exchange_benchmark as benchmark
+from map_merger.benchmark.rows import conclude
 from map_merger.synthetic import FloorPlan, Survey, Surveyor, office_plan, plan_from_image
 
 LOSS = 0.3
@@ -105,11 +104,4 @@ def main() -> int:
     rows += traffic_rows(options, "office of 20 x 2 rooms", offices(options, 20), 2048)
     if options.floor_plan:
         rows += traffic_rows(options, "given floor plan", image_plans(options), 2048)
-    for each in rows:
-        print(f"{'ok ' if each['holds'] else 'NO '} {each['what']}: {each['value']} {each['unit']} ({each['bar']})")
-    os.makedirs(os.path.dirname(options.out) or ".", exist_ok=True)
-    with open(options.out, "w", encoding="utf-8") as file:
-        json.dump(rows, file, indent=1)
-        file.write("\n")
-    print(f"{sum(each['holds'] for each in rows)} of {len(rows)} bars hold; rows in {options.out}")
-    return 0 if all(each["holds"] for each in rows) else 1
+    return conclude(rows, options.out)

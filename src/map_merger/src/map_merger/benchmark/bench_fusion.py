@@ -2,13 +2,12 @@
 teams. Prints a table and writes rows {what, bar, value, unit, holds, detail} as JSON."""
 
 import argparse
-import json
-import os
 import sys
 
 import cv2
 
 from map_merger import fusion_benchmark
+from map_merger.benchmark.rows import conclude
 
 
 def arguments() -> argparse.Namespace:
@@ -30,11 +29,4 @@ def main() -> int:
     command = "bench_fusion " + " ".join(sys.argv[1:])
     rows = fusion_benchmark.timing_rows(options.robots, options.edge, options.updates, options.seed, command)
     rows += fusion_benchmark.quality_rows(options.teams, options.seed, command)
-    for row in rows:
-        mark = "" if row["holds"] is None else "holds" if row["holds"] else "MISSED"
-        print(f"{row['what']:70s} {row['value']:>9} {row['unit']:6s} {row['bar']:10s} {mark}")
-    os.makedirs(os.path.dirname(options.out) or ".", exist_ok=True)
-    with open(options.out, "w", encoding="utf-8") as file:
-        json.dump(rows, file, indent=1)
-        file.write("\n")
-    return 0 if all(row["holds"] is not False for row in rows) else 1
+    return conclude(rows, options.out)

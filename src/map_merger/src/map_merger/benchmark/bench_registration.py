@@ -2,7 +2,6 @@
 
 import argparse
 import functools
-import json
 import os
 import sys
 from pathlib import Path
@@ -15,6 +14,7 @@ import cv2
 from map_merger.benchmark import report
 from map_merger.benchmark.figures import table
 from map_merger.benchmark.records import TrialFile
+from map_merger.benchmark.rows import conclude
 from map_merger.benchmark.rules import RULES
 from map_merger.benchmark.sweep import trials_of
 
@@ -94,13 +94,4 @@ def measure(options: argparse.Namespace) -> int:
             progress(trial, len(real), 0, options.verbose)
         rows += report.real_rows(real, command)
         print("\n".join(["", *report.family_table(real), "", *table(real, list(RULES))]))
-    write(options.out, rows)
-    return 0 if all(row["holds"] for row in rows) else 1
-
-
-def write(path: Path, rows: list) -> None:
-    for row in rows:
-        print(f"{'holds ' if row['holds'] else 'MISSED'} {row['what']}: {row['value']} {row['unit']} ({row['bar']})")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    print(f"{sum(row['holds'] for row in rows)} of {len(rows)} bars hold; rows in {path}")
+    return conclude(rows, options.out)

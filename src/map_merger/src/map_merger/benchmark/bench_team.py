@@ -2,13 +2,12 @@
 table and writes rows {what, bar, value, unit, holds, detail} as JSON."""
 
 import argparse
-import json
-import os
 import sys
 
 import cv2
 
 from map_merger.benchmark import injection
+from map_merger.benchmark.rows import conclude
 
 
 def arguments() -> argparse.Namespace:
@@ -34,11 +33,4 @@ def main() -> int:
     cv2.setNumThreads(1)
     command = "bench_team " + " ".join(sys.argv[1:])
     rows = injection.rows_of(measured(options, injection.ROBOTS), measured(options, 2), command.strip())
-    for each in rows:
-        print(f"{'ok ' if each['holds'] else 'NO '} {each['what']}: {each['value']} {each['unit']} ({each['bar']})")
-    os.makedirs(os.path.dirname(options.out) or ".", exist_ok=True)
-    with open(options.out, "w", encoding="utf-8") as file:
-        json.dump(rows, file, indent=1)
-        file.write("\n")
-    print(f"{sum(each['holds'] for each in rows)} of {len(rows)} bars hold; rows in {options.out}")
-    return 0 if all(each["holds"] for each in rows) else 1
+    return conclude(rows, options.out)
