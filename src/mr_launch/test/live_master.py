@@ -20,8 +20,9 @@ class LiveMaster:
             "ROS_LOG_DIR": str(folder), "ROS_HOME": str(folder),
         }  # fmt: skip
         self._master = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
-        self.start("core", "roscore", "-p", str(port))
-        self.wait_for(lambda: self._ask("hasParam", "/run_id") is True)
+        # No roscore: one that is interrupted while it starts its nodes hangs, and leaves its master behind.
+        self.start("core", "rosmaster", "--core", "-p", str(port))
+        self.wait_for(lambda: self._ask("getPid"))
 
     def start(self, name, *command):
         with (self.folder / f"{name}.output").open("wb") as output:
