@@ -39,6 +39,7 @@ VIEW_PERIOD = 0.5  # s between two looks
 FAST_TICK = 0.5  # s between ticks of their explorers
 START_SPREAD = 0.1  # m, to each side, of the start poses in fast mode
 START_TURN = 0.2  # rad, same
+ODOMETRY, TRUE = ["odometry_x", "odometry_y", "odometry_yaw"], ["x", "y", "yaw"]
 
 
 class Mission:
@@ -152,13 +153,12 @@ class Mission:
             self.world.step()
             scans = list(self.world.due_scans())
             states = self.world.states()
+            odometry, true = states[ODOMETRY].tolist(), states[TRUE].tolist()
         for scan in scans:
             robot = self.robots[scan.robot]
             if scan.ranger == self.world.robots[scan.robot].main_ranger and robot.senses:
-                state = states[scan.robot]
-                odometry = Pose(float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
-                self.world.command(scan.robot, *robot.on_scan(scan.ranges, odometry))
-                self.recorder.on_pose(scan.robot, self.world.pose(scan.robot))
+                self.world.command(scan.robot, *robot.on_scan(scan.ranges, Pose(*odometry[scan.robot])))
+                self.recorder.on_pose(scan.robot, Pose(*true[scan.robot]))
         with self.stopwatch.span("recording"):
             self.recorder.on_step(states, self.since_start)
         self._start_if_ready()

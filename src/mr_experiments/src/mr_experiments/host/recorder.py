@@ -105,8 +105,8 @@ class Recorder:
         """After each step of the world; `states` as from World.states()."""
         if self._begun_at is None:
             return
-        for log, state in zip(self.logs, states):
-            self._follow(log, state, since_start)
+        for log, motion in zip(self.logs, states[MOTION].tolist()):
+            self._follow(log, motion, since_start)
         if since_start - self._sampled_at >= SERIES_PERIOD - 1e-6:
             self._sampled_at = since_start
             self._sample(states, since_start)
@@ -114,8 +114,8 @@ class Recorder:
             self._covered_at = since_start
             self.cover(since_start)
 
-    def _follow(self, log: RobotLog, state: np.void, now: float) -> None:
-        x, y, yaw, velocity_x, velocity_y, velocity_yaw, stalled, contact = state[MOTION].item()
+    def _follow(self, log: RobotLog, motion: tuple[float, ...], now: float) -> None:
+        x, y, yaw, velocity_x, velocity_y, velocity_yaw, stalled, contact = motion
         speed = velocity_x * math.cos(yaw) + velocity_y * math.sin(yaw)
         if log.place is not None:
             log.distance += math.dist((x, y), log.place)

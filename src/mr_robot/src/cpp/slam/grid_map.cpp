@@ -84,8 +84,14 @@ void GridMap::grow_to(Cell low, Cell high) {
   }
 }
 
-void GridMap::cover(const Pose& place, double reach) {
-  grow_to(cell_of({place.x - reach, place.y - reach}), cell_of({place.x + reach, place.y + reach}));
+void GridMap::cover(const std::vector<Disc>& discs) {
+  if (discs.empty()) return;
+  Point low{discs[0].centre.x, discs[0].centre.y}, high = low;
+  for (const auto& [centre, radius] : discs) {
+    low = {std::min(low.x, centre.x - radius), std::min(low.y, centre.y - radius)};
+    high = {std::max(high.x, centre.x + radius), std::max(high.y, centre.y + radius)};
+  }
+  grow_to(cell_of(low), cell_of(high));
 }
 
 void GridMap::cover(const GridMap& other) {

@@ -28,9 +28,13 @@ class GridMap {
  public:
   explicit GridMap(const GridOptions& options);
 
-  // Both make it so large that it need not grow step by step: as another one, or so many m around a place.
+  struct Disc {
+    Pose centre;
+    double radius;  // m
+  };
+  // Both make it so large that it need not grow step by step: as another one, or to hold all discs.
   void cover(const GridMap& other);
-  void cover(const Pose& place, double reach);
+  void cover(const std::vector<Disc>& discs);
   // Both return whether `occupancy` changed. `origin`: what its new surfaces are known by.
   bool insert(const Scan& scan, const Pose& robot, int origin = 0);
   // Only the surfaces that the scan hits, and nothing of what it sees through.

@@ -144,7 +144,9 @@ void Memory::draw(GridMap* map) const {
   if ((high.x - low.x) * (high.y - low.y) > kMostCells * grid_.resolution * grid_.resolution) {
     throw std::length_error("the map would have too many cells");
   }
-  for (const Keyframe& keyframe : keyframes_) map->cover(keyframe.drawn, keyframe.hits.reach());
+  std::vector<GridMap::Disc> places;
+  for (const Keyframe& keyframe : keyframes_) places.push_back({keyframe.drawn, keyframe.hits.reach()});
+  map->cover(places);
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     for (const Kept& kept : keyframes_[i].scans) {
       map->insert(scan_of(kept), keyframes_[i].drawn * kept.relative, static_cast<int>(i));
@@ -200,9 +202,11 @@ GridMap Memory::drawn_around(const Pose& pose) const {
   std::partial_sort(nearest.begin(), end, nearest.end());
   std::sort(nearest.begin(), end, [](const auto& a, const auto& b) { return a.second < b.second; });
   GridMap map(grid_);
+  std::vector<GridMap::Disc> places;
   for (auto at = nearest.begin(); at != end; ++at) {
-    map.cover(keyframes_[at->second].drawn, keyframes_[at->second].hits.reach());
+    places.push_back({keyframes_[at->second].drawn, keyframes_[at->second].hits.reach()});
   }
+  map.cover(places);
   for (auto at = nearest.begin(); at != end; ++at) {
     keyframes_[at->second].hits.draw(&map, keyframes_[at->second].drawn, at->second);
   }

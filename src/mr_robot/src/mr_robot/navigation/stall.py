@@ -27,7 +27,8 @@ class StallWatch:
         # (m/s, rad/s) from then on, and what all before it asked for
         self._commands: List[Tuple[float, float, Asked]] = []
         self._pose_times: List[float] = []
-        self._poses: List[Pose] = []
+        # And what had been asked for by then, when the latency is taken off
+        self._poses: List[Tuple[Pose, Asked]] = []
 
     def command(self, now: float, velocity: Tuple[float, float]) -> None:
         """Records the command given at `now`."""
@@ -40,18 +41,17 @@ class StallWatch:
         """Whether the robot, now at `pose`, did not follow its commands. Once per step."""
         if self._pose_times and now < self._pose_times[-1]:
             self.clear()
-        self._pose_times.append(now)
-        self._poses.append(pose)
-        _shorten(self._pose_times, self._poses)
         asked = self._asked_until(now - self._latency)
+        self._pose_times.append(now)
+        self._poses.append((pose, asked))
+        _shorten(self._pose_times, self._poses)
         return any(self._stands(now, pose, window, asked) for window in WINDOWS)
 
     def _stands(self, now: float, pose: Pose, window: float, asked: Asked) -> bool:
         index = bisect_left(self._pose_times, now - window - 1e-6)
-        since, before = self._pose_times[index], self._poses[index]
-        if now - since < window - 0.15:
+        if now - self._pose_times[index] < window - 0.15:
             return False
-        begun = self._asked_until(since - self._latency)
+        before, begun = self._poses[index]
         way, turn, all_ways, all_turns = (b - a for a, b in zip(begun, asked))
         if abs(turn) > math.pi:
             return False  # poses do not tell how often a robot turned

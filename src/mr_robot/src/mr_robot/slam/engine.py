@@ -142,7 +142,7 @@ class Slam:
         if not (0.0 < scan.range_max < 1000.0):
             raise SlamError(f"range_max of the scan must lie between 0 and 1000 m, not {scan.range_max!r}")
         numbers = (*odometry, *scan.mount, *scan.swept, scan.angle_min, scan.angle_increment, scan.range_min, time)
-        if not np.isfinite(numbers).all():
+        if not all(map(math.isfinite, numbers)):
             raise SlamError("odometry, time or geometry of the scan is not finite")
         pose, matched, inserted, share = self._core.process(
             ranges, odometry, scan.mount, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, time,
