@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import random
 import shutil
 import socket
+from itertools import islice
+from pathlib import Path
 from typing import Sequence
 
 from mr_launch.errors import UserError
 from mr_launch.isolation import search_path
 
+LEAST_PORT = 12000  # above those of masters that people start by hand
+CLIENT_PORTS = Path("/proc/sys/net/ipv4/ip_local_port_range")  # ip(7)
 PROGRAMS = {  # name in Plan.programs: (package, executable)
     "radio": ("adhoc_communication", "radio"),
     "team_key": ("adhoc_communication", "team_key"),
@@ -96,11 +101,29 @@ def find_executable(package: str, name: str) -> str | None:
 
 
 def free_ports(count: int) -> list[int]:
-    """TCP ports that nobody uses at this moment."""
-    sockets = [socket.socket() for _ in range(count)]
-    for entry in sockets:
-        entry.bind(("localhost", 0))
-    ports = [entry.getsockname()[1] for entry in sockets]
-    for entry in sockets:
-        entry.close()
+    """TCP ports that nobody uses at this moment, if possible below those that the system gives to clients: such a one
+    might be taken by a node before the master that it is meant for listens. Raises UserError if there are too few."""
+    beyond = _first_client_port()
+    candidates = range(LEAST_PORT, beyond if beyond > LEAST_PORT else 65536)
+    ports = list(islice(filter(_is_free, random.sample(candidates, len(candidates))), count))
+    if len(ports) < count:
+        raise UserError(
+            f"fewer than {count} of the TCP ports from {candidates.start} to {candidates.stop - 1} are free"
+        )
     return ports
+
+
+def _first_client_port() -> int:
+    try:
+        return int(CLIENT_PORTS.read_text(encoding="ascii").split()[0])
+    except (OSError, ValueError, IndexError):
+        return 32768
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket() as one:
+        try:
+            one.bind(("localhost", port))
+        except OSError:
+            return False
+    return True
