@@ -57,7 +57,9 @@ def names_for(options: Options) -> Names:
             "transform_point": f"{prefix}map_merger/transformPoint",
             "log_output": f"{prefix}map_merger/logOutput",
         },
-        offered={order: f"~{order}" for order in ("start", "pause", "resume", "return_now", "stop", "go_home")},
+        offered={
+            name: f"~{name}" for name in ("start", "pause", "resume", "return_now", "stop", "go_home", "catch_up")
+        },
         action="move_base",
     )
 

@@ -21,7 +21,7 @@ from move_base_msgs.msg import MoveBaseAction
 from nav_msgs.msg import GridCells, MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import String
-from std_srvs.srv import Trigger, TriggerResponse
+from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
 from explorer import logs, messages, options, ros_io, ros_team, ros_verdicts
@@ -41,6 +41,7 @@ from mr_grid.map_frame import MapFrame, MapRuns, NewFrame
 from mr_grid.ros import CALL_FAILED
 from mr_grid.ros_map_frame import FrameListener, run_of_map
 from mr_grid.ros_node import init_node, until_shutdown, warn_of_unknown_parameters
+from mr_grid.rounds import Rounds
 
 TICK = 0.1  # s of wall time
 STATUS_PERIOD = 1.0  # s of ROS time between two messages on ~status
@@ -101,6 +102,7 @@ class ExplorerNode:
         self._lock = threading.Lock()
         self._runs = MapRuns()
         self._wake = threading.Event()
+        self._rounds = Rounds()
         self._wire = ros_io.Wire(given)
         self._markers = FrontierMarkers(self._frame)
         self._radio = Worker("adhoc_communication", 3, CallQueue(CALLS, HANDOVER))
@@ -203,6 +205,7 @@ class ExplorerNode:
         orders.update({"return_now": agent.return_now, "stop": agent.stop, "go_home": agent.go_home})
         for name, order in orders.items():
             rospy.Service(self._names.offered[name], Trigger, functools.partial(self._on_order, order))
+        rospy.Service(self._names.offered["catch_up"], Empty, self._catch_up)
 
     # ---- input ----------------------------------------------------------------------------------------------------
 
@@ -281,6 +284,10 @@ class ExplorerNode:
         self._wake.set()
         return TriggerResponse(answer.done, answer.text)
 
+    def _catch_up(self, _: Any) -> EmptyResponse:
+        self._rounds.wait_for_whole_one(self._wake.set)
+        return EmptyResponse()
+
     # ---- the loop -------------------------------------------------------------------------------------------------
 
     def run(self) -> None:
@@ -289,11 +296,11 @@ class ExplorerNode:
             self._wake.wait(TICK)
             woken = self._wake.is_set()
             self._wake.clear()
-            now = rospy.get_time()
-            if now <= 0.0 or (now == last and not woken):
-                continue
-            last = now
-            self._step(now)
+            with self._rounds.next_one():
+                now = rospy.get_time()
+                if now > 0.0 and (now != last or woken):
+                    last = now
+                    self._step(now)
 
     def _step(self, now: float) -> None:
         pose = self._look_up_pose()

@@ -1,12 +1,14 @@
 """Parameters of the node: names, types, defaults and bounds in one table (contract 2.1 and additions)."""
 
 import math
+import re
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from mr_grid import Pose, pose_of
 from mr_grid.by_place import PlaceError, names_a_place
 
+from .messages import NO_BOOT, Boot
 from .methods import METHODS, method_of
 from .robot_size import RobotSize
 
@@ -58,6 +60,7 @@ PARAMETERS: Dict[str, Parameter] = {
     "local_priority": Parameter(str, "evidence", choices=("strict", "evidence")),
     "topology": Parameter(str, "distributed", choices=("distributed", "centralized")),
     "base_station": Parameter(str, ""),
+    "run": Parameter(str, ""),
 }
 """Every parameter of the node."""
 
@@ -113,6 +116,12 @@ class Options:
     local_priority: str = "evidence"
     topology: str = "distributed"
     base_station: str = ""
+    run: str = ""
+
+    @property
+    def boot(self) -> Optional[Boot]:
+        """Names the own run, where it was given a name."""
+        return _boot_of(self.run) if self.run else None
 
     @property
     def robot_size(self) -> RobotSize:
@@ -184,6 +193,8 @@ def _checked(name: str, value: Any) -> Any:
         raise OptionError(f"parameter {name} must be of type {expected.__name__}, not {value!r}")
     if name in NOT_EMPTY and not value:
         raise OptionError(f"parameter {name} must not be empty")
+    if name == "run" and value and _boot_of(value) is None:
+        raise OptionError(f"parameter run must be a time as seconds.nanoseconds, not {value!r}")
     if name == "registration" and names_a_place(value):
         _check_method(value)
     elif parameter.choices and value not in parameter.choices:
@@ -198,6 +209,12 @@ def _checked(name: str, value: Any) -> Any:
     if parameter.kind is float and not math.isfinite(value):
         raise OptionError(f"parameter {name} must be finite, not {value!r}")
     return value
+
+
+def _boot_of(run: str) -> Optional[Boot]:
+    found = re.fullmatch(r"(\d{1,10})\.(\d{9})", run)
+    boot = found and (int(found[1]), int(found[2]))
+    return boot if boot and NO_BOOT < boot < (2**32, 0) else None
 
 
 def _check_method(place: str) -> None:

@@ -32,6 +32,7 @@ from adhoc_communication.srv import (
 )
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import String
+from std_srvs.srv import Empty, EmptyResponse
 from visualization_msgs.msg import MarkerArray
 
 from map_merger import ros_io, ros_outputs, ros_radio
@@ -77,6 +78,7 @@ from mr_grid.imaging import use_threads
 from mr_grid.ros import CALL_FAILED, NumpyOccupancyGrid, grid_message
 from mr_grid.ros_map_frame import FrameListener
 from mr_grid.ros_node import init_node, until_shutdown, warn_of_unknown_parameters
+from mr_grid.rounds import Rounds
 
 LOOP_S = 0.2
 STATUS_PERIOD_S = 1.0
@@ -110,6 +112,7 @@ class MapMergerNode:
         self._agent = self._make_agent()
         self._lock = threading.Lock()
         self._wake = threading.Event()
+        self._rounds = Rounds()
         # A group send waits for its slowest member; positions, requests and answers do not wait behind it.
         self._sends = {purpose: queue.Queue(MOST_SENDS) for purpose in Purpose}
         self._outbox = Outbox(self._carry_out)
@@ -129,6 +132,7 @@ class MapMergerNode:
             rospy.Service("~transformPoint", TransformPoint, self._transform_point),
             rospy.Service("~logOutput", LogMaps, self._log_output),
             *ros_outputs.serve(self._global_grid, self._forget),
+            rospy.Service("~catchUp", Empty, self._catch_up),
         ]
         for work in (*(partial(self._send_all, sends) for sends in self._sends.values()), self._register_all):
             threading.Thread(target=work, daemon=True).start()
@@ -138,7 +142,7 @@ class MapMergerNode:
         kept = self._own_run.former()
         if kept is None:
             started = time.time_ns()
-            return Agent(self._options, (started // 10**9 % 2**32, started % 10**9))
+            return Agent(self._options, self._options.boot or (started // 10**9 % 2**32, started % 10**9))
         agent = Agent(self._options, kept.boot)
         agent.exchange.resume(kept)
         rospy.loginfo("map_merger goes on with the map of its former run")
@@ -149,9 +153,10 @@ class MapMergerNode:
         while not (rospy.is_shutdown() or self.begins_anew):
             self._wake.wait(LOOP_S)
             self._wake.clear()
-            self._take_pose()
-            self._do(lambda now: self._agent.tick(now))
-            self._publish_status()
+            with self._rounds.next_one():
+                self._take_pose()
+                self._do(lambda now: self._agent.tick(now))
+                self._publish_status()
 
     def end_run(self):
         """The one that begins now is another one."""
@@ -383,6 +388,7 @@ class MapMergerNode:
             if fault is not None:
                 rospy.logerr(f"registration with {effect.job.robot} failed and is tried again later: {fault!r}")
             self._do(partial(self._agent.on_registered, effect, result))
+            self._jobs.task_done()
 
     # Services
 
@@ -403,6 +409,11 @@ class MapMergerNode:
         with self._lock:
             if not self._agent.forget(robot):
                 raise KeyError(robot)
+
+    def _catch_up(self, _):
+        self._rounds.wait_for_whole_one(self._wake.set)
+        self._jobs.join()
+        return EmptyResponse()
 
     def _log_output(self, request):
         if not self._folder:

@@ -90,6 +90,9 @@ def test_the_robot_name_is_the_host_name_unless_given():
         ("initial_poses", {"robot_1": [1, 2]}),
         ("initial_poses", {"robot_1": "x"}),
         ("initial_poses", [1]),
+        ("run", "7"),
+        ("run", "0.000000000"),
+        ("run", "4294967296.000000000"),
         ("unheard_of", 1),
     ],
 )
@@ -111,6 +114,11 @@ def test_bad_values_are_refused_with_their_name(name, value):
 )
 def test_special_values_are_accepted(name, value):
     assert getattr(options_of({name: value}, "host"), name) == value
+
+
+def test_a_run_has_the_name_that_it_is_given():
+    assert options_of({"run": "1795866432.024270127"}, "host").boot == (1795866432, 24270127)
+    assert options_of({}, "host").boot is None
 
 
 def test_initial_poses_are_metres_and_radians():
