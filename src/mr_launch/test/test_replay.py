@@ -17,6 +17,7 @@ from mr_launch.plan import PLAN_FILE, Plan, RobotPlan
 from mr_launch.recordings import replay_command
 from mr_launch.recordings.bags import Span, opened
 from mr_launch.recordings.cut import cut, is_played
+from mr_launch.recordings.inside import delay
 from mr_launch.recordings.recording import find_recording
 from mr_launch.recordings.replay_command import COMPUTED, main, make_parser, make_plan, played_spans
 
@@ -166,6 +167,23 @@ def test_presets_are_those_of_the_plan(tmp_path):
     assert {played_robot.arguments["robot"], played_robot.arguments["team"]} == {str(preset)}
 
 
+@pytest.mark.parametrize(("first", "run"), [(0, "5.000000000"), (6, "9.000000000"), (13, "")])
+def test_a_merger_runs_again_under_the_name_of_its_run_then(tmp_path, first, run):
+    """What others told of its frame names that run: under another name a merger placed nobody by it, and where its own
+    search came late the map lacked what the others had seen."""
+    record(tmp_path / "a" / "a.bag", 1, 20)
+    with Bag(tmp_path / "a" / "b.bag") as bag:
+        for second, begun in ((2, 0), (6, 5), (9, 9), (12, 9)):
+            grid = bag.grid(begun * SECOND, np.zeros((2, 3)))
+            bag.add(second * SECOND, "map_merger/global_map", grid, 1, "/map_merger")
+    arguments = [str(tmp_path / "a"), "--compute", "map_merger", "--isolation", "hub", "--from", str(first)]
+    (tmp_path / "out" / "played").mkdir(parents=True)
+    plan = make_plan(find_recording(tmp_path / "a"), make_parser().parse_args(arguments), tmp_path / "out", {})
+    assert plan.robots[0].arguments["run"] == run
+    parameters = parameters_of("replayed_robot.launch", *ARGUMENTS, f"run:={run}")
+    assert parameters.get("/map_merger/run", "") == run
+
+
 def test_nodes_run_again_as_on_a_robot(tmp_path):
     """Parameters of both nodes are those of robot.launch, but for the end of exploration and what needs a radio."""
     given = ("robot:=turtlebot", "team:=pioneer,turtlebot", "simulated:=true", f"robot_parameters:={tmp_path}")
@@ -194,6 +212,11 @@ def test_after_a_failure_nothing_is_said_to_have_been_made(tmp_path, capsys, mon
     arguments = [tmp_path / "a", "--out", tmp_path / "out", "--compute", "explorer", "--isolation", "hub"]
     assert main([str(argument) for argument in arguments]) == code
     assert ("what explorer made of it" in capsys.readouterr().out) == told
+
+
+def test_a_replay_that_took_longer_than_asked_says_so():
+    assert delay(18.0, 20.0) == delay(0.1, 0.3) == ""
+    assert delay(2.0, 5.1) == " in 5 s, not 2 s: time waits for nodes that need longer"
 
 
 def test_the_command_to_look_inside_can_be_copied(tmp_path, capsys, monkeypatch):

@@ -28,6 +28,7 @@ from mr_launch.team import NODES_PATIENCE, START_PATIENCE
 
 READY_PATIENCE = 90.0  # s of real time for masters and nodes
 STANDSTILL_PATIENCE = 30.0  # s of real time without recorded time
+SLOWER = 1.2  # factor on the real time of a replay from which on it is said that it took longer
 SAVE_PATIENCE = 15.0  # s of real time for the maps
 TICK = 0.25  # s
 
@@ -74,10 +75,12 @@ class Replay:
         self._begun = True
         for name in self._reports:
             self._server.request(name, request="go")
+        begun = time.monotonic()
         self._follow()
+        taken = time.monotonic() - begun
         if SAVE in self.plan.compute:
             self._save_maps()
-        say(f"replay: played to the end, {self.plan.seconds:.0f} s")
+        say(f"replay: played to the end, {self.plan.seconds:.0f} s{delay(self.plan.seconds / self.plan.rate, taken)}")
         return OK
 
     def _start(self, robot: PlayedRobot) -> None:
@@ -99,7 +102,7 @@ class Replay:
         self._watches[robot.name] = NodeWatch(log)
 
     def _follow(self) -> None:
-        """Until every robot's time has come to the end of its recording."""
+        """Until every robot's time has come to the end of its recording, and its nodes to there."""
         ends = {robot.name: robot.end for robot in self.plan.robots}
         newest, since, told = 0.0, time.monotonic(), 0.0
         while any(report.time < ends[name] for name, report in self._reports.items()):
@@ -109,7 +112,8 @@ class Replay:
             if done > newest:
                 newest, since = done, time.monotonic()
             elif time.monotonic() - since > STANDSTILL_PATIENCE:
-                raise TeamFailure(f"time stands still at {done:.1f} s; logs: {self.plan.log_folder()}")
+                nodes = f", or {' or '.join(self.plan.compute)} cannot keep up" if self.plan.compute else ""
+                raise TeamFailure(f"time stands still at {done:.1f} s{nodes}; logs: {self.plan.log_folder()}")
             if done - told >= 10.0 * self.plan.rate:
                 told = done
                 say(f"replay: {done:.0f} of {self.plan.seconds:.0f} s")
@@ -156,6 +160,12 @@ class Replay:
         self._server.close()
         with contextlib.suppress(OSError):
             remove_state(Path(self.plan.out))
+
+
+def delay(asked: float, taken: float) -> str:
+    """What is said of a replay that took longer than asked for, both in s of real time."""
+    late = taken > SLOWER * asked + TICK
+    return f" in {taken:.0f} s, not {asked:.0f} s: time waits for nodes that need longer" if late else ""
 
 
 def say(text: str) -> None:

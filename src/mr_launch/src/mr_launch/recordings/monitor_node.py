@@ -1,19 +1,52 @@
-"""Lets the player of one robot go when everything listens, and tells the replay how far it is."""
+"""Lets the player of one robot go when everything listens and no faster than nodes come along, and tells the replay how
+far they are."""
 
-from typing import Any
+import threading
+from typing import Any, List
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
 from map_merger.srv import SaveMap
-from std_srvs.srv import SetBool
+from sensor_msgs.msg import TimeReference
+from std_srvs.srv import Empty, SetBool
 
 from mr_grid.ros_node import init_node
 from mr_launch.monitor import RunnerLink
 
 PERIOD = 0.2  # s of real time between two reports
 PLAYER = "/player"
-OFFERED_LAST = {"/map_merger": "/map_merger/transformPoint", "/explorer": "/explorer/start"}  # services, by node
+CATCH_UP = {"/map_merger": "/map_merger/catchUp", "/explorer": "/explorer/catch_up"}  # services, offered last, by node
+PACE = 0.1  # s of recorded time between two questions whether the nodes have come along
+
+
+class Pace:
+    """Asks nodes again and again to catch up, and tells the player up to when they have: it does not run on ahead."""
+
+    def __init__(self, nodes: List[str]) -> None:
+        self.time = 0.0
+        """Up to which recorded time the nodes have worked, s."""
+        self._waiting = [rospy.ServiceProxy(CATCH_UP[node], Empty, persistent=True) for node in nodes]
+        self._caught_up = rospy.Publisher("~caught_up", TimeReference, queue_size=1, latch=True)
+
+    def follow(self) -> None:
+        """Until ROS shuts down, or a node has ended, of which the replay hears from roslaunch."""
+        try:
+            while not rospy.is_shutdown():
+                self._take_a_step()
+        except (rospy.ServiceException, rospy.ROSException) as error:
+            rospy.loginfo("replay_monitor: %s", error)
+
+    def _take_a_step(self) -> None:
+        now = rospy.Time.now()
+        for catch_up in self._waiting:
+            catch_up()
+        caught_up = TimeReference(time_ref=now, source="replay")
+        caught_up.header.stamp = now
+        self._caught_up.publish(caught_up)
+        self.time = now.to_sec()
+        # Not from here on: where the nodes took long, the player stands still by now.
+        rospy.sleep(now + rospy.Duration.from_sec(PACE) - rospy.Time.now())
 
 
 class ReplayMonitor:
@@ -25,6 +58,8 @@ class ReplayMonitor:
         self._nodes = [f"/{name}" for name in rospy.get_param("~nodes").split()]
         self._link = RunnerLink(rospy.get_param("~report_socket"))
         self._missing = [PLAYER, *self._nodes]
+        computing = [node for node in self._nodes if node in CATCH_UP]
+        self._pace = Pace(computing) if computing else None
         self._news: dict = {}
 
     def run(self) -> None:
@@ -34,7 +69,8 @@ class ReplayMonitor:
                     self._answer(request)
                 self._missing = self._missing and self._look()
                 missing = [name.strip("/") for name in self._missing]
-                self._link.send({"robot": self._robot, "missing": missing, "time": rospy.get_time(), **self._news})
+                time = self._pace.time if self._pace else rospy.get_time()
+                self._link.send({"robot": self._robot, "missing": missing, "time": time, **self._news})
             except OSError:
                 return  # the replay is over
 
@@ -51,7 +87,7 @@ class ReplayMonitor:
 
     def _listens(self, node: str, played: set, subscribers: dict, services: dict, connected: set) -> bool:
         wanted = {topic for topic, nodes in subscribers.items() if node in nodes and topic in played}
-        offers = OFFERED_LAST.get(node)
+        offers = CATCH_UP.get(node)
         return (
             bool(wanted) and (not offers or offers in services) and all((node, topic) in connected for topic in wanted)
         )
@@ -59,6 +95,8 @@ class ReplayMonitor:
     def _answer(self, request: dict) -> None:
         try:
             if request["request"] == "go":
+                if self._pace:
+                    threading.Thread(target=self._pace.follow, daemon=True).start()
                 rospy.ServiceProxy(f"{PLAYER}/pause_playback", SetBool)(False)
                 self._news["started"] = True
             elif request["request"] == "save":

@@ -33,7 +33,8 @@ from mr_launch.recordings.recording import (
     with_bodies,
     with_messages,
 )
-from mr_launch.recordings.replay_plan import PlayedRobot, ReplayPlan
+from mr_launch.recordings.replay_plan import SAVE, PlayedRobot, ReplayPlan
+from mr_launch.recordings.runs import run_of_merger
 from mr_launch.recordings.survey import Survey, clock_shifts
 
 COMPUTED = ("map_merger", "explorer")
@@ -51,7 +52,8 @@ def make_parser() -> argparse.ArgumentParser:
     add("mission", metavar="MISSION", type=Path, help=WHAT_IS_FOUND)
     add("--compute", nargs="+", choices=COMPUTED, default=[], metavar="NODE", help="map_merger, explorer: run "
         "them again; what they published then is not played")  # fmt: skip
-    add("--rate", type=float, default=1.0, metavar="F", help="recorded over real seconds (default: %(default)s)")
+    add("--rate", type=float, default=1.0, metavar="F", help="recorded over real seconds, with --compute the most: "
+        "time waits for the nodes (default: %(default)s)")  # fmt: skip
     add("--from", dest="first", type=float, default=0.0, metavar="S", help="s of the recording at which to begin")
     add("--to", dest="last", type=float, default=math.inf, metavar="S", help="s of the recording at which to end")
     add("--strategy", metavar="N|NAME", help=f"of the explorer (default: that of the mission, else {STRATEGY})")
@@ -135,6 +137,8 @@ def make_plan(recording: Recording, options: argparse.Namespace, out: Path, prog
         with opened(robot.bags) as reader:
             cut(reader, bag, spans[robot.name], is_played(options.compute))
             arguments = computing_arguments(copy, robot.name, options, reader) if options.compute else {}
+            if SAVE in options.compute:
+                arguments["run"] = run_of_merger(reader, spans[robot.name])
         robots.append(PlayedRobot(robot.name, port, str(bag), spans[robot.name].end / SECOND, arguments))
     if options.compute:
         _prepare_results(recording, copy, out)
