@@ -74,6 +74,16 @@ def test_the_maps_are_the_same_when_more_is_asked_for_than_the_computer_can_do(r
         assert_same_map(recorded, tmp_path / "out", robot)
 
 
+def test_the_maps_that_a_base_merged_are_merged_again(missions: Dict[str, Mission], tmp_path: Path) -> None:
+    """There robots know of one another by what the base tells of their runs alone: in runs of other names they placed
+    nobody."""
+    recorded = missions["centralized"].out
+    done = replay(recorded, "--compute", "map_merger", "--rate", 10, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    for robot in ROBOTS:
+        assert_same_map(recorded, tmp_path / "out", robot)
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_explorers_decide_again(recorded: Path, computed: Path, robot: str) -> None:
     """Not what they published then is in the new bag: time and again the same robot in the same map wants new goals."""
