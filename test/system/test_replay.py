@@ -33,8 +33,9 @@ def recorded(missions: Dict[str, Mission]) -> Path:
 
 @pytest.fixture(scope="module")
 def computed(recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """At a rate at which the nodes cannot keep up, as on a slow computer: maps lacked what other robots had seen."""
     out = tmp_path_factory.mktemp("replay") / "out"
-    done = replay(recorded, "--compute", "map_merger", "explorer", "--rate", 2, "--out", out)
+    done = replay(recorded, "--compute", "map_merger", "explorer", "--rate", 20, "--out", out)
     assert done.returncode == 0, done.stdout + done.stderr
     return out
 
@@ -63,15 +64,6 @@ def assert_same_map(recorded: Path, computed: Path, robot: str) -> None:
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_maps_are_merged_again(recorded: Path, computed: Path, robot: str) -> None:
     assert_same_map(recorded, computed, robot)
-
-
-def test_the_maps_are_the_same_when_more_is_asked_for_than_the_computer_can_do(recorded: Path, tmp_path: Path) -> None:
-    """Played at a rate at which the nodes cannot keep up, as on a slow computer: maps lacked what the other robots had
-    seen."""
-    done = replay(recorded, "--compute", "map_merger", "explorer", "--rate", 20, "--out", tmp_path / "out")
-    assert done.returncode == 0, done.stdout + done.stderr
-    for robot in ROBOTS:
-        assert_same_map(recorded, tmp_path / "out", robot)
 
 
 def test_the_maps_that_a_base_merged_are_merged_again(missions: Dict[str, Mission], tmp_path: Path) -> None:
