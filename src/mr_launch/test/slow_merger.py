@@ -1,6 +1,8 @@
 """A stand-in for map_merger in replays: it needs as long to catch up as the file `held` is there, and tells the time up
-to which it has, and the newest one, in the file `times`."""
+to which it has, and the newest one, in the file `times`. Once the file `anew` is there it begins anew, as map_merger does
+when the local map is another one."""
 
+import os
 import sys
 import time
 from pathlib import Path
@@ -9,10 +11,13 @@ import rospy
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyResponse
 
-HELD, TIMES = map(Path, sys.argv[1:3])
+HELD, TIMES, ANEW = map(Path, sys.argv[1:4])
 
 
 def catch_up(_):
+    if ANEW.exists():
+        ANEW.unlink()
+        os.execv(sys.executable, [sys.executable, *sys.argv])
     begun = rospy.get_time()
     while HELD.exists() and not rospy.is_shutdown():
         tell(begun)

@@ -32,7 +32,7 @@ class LiveReplay(LiveMaster):
 
     def __init__(self, folder):
         super().__init__(folder)
-        self.held, self.times = folder / "held", folder / "times"
+        self.held, self.times, self.anew = folder / "held", folder / "times", folder / "anew"
         self.held.touch()
         self._seen = []
         self._server = ReportServer(str(folder / "reports"), ["robot_0"])
@@ -44,7 +44,7 @@ class LiveReplay(LiveMaster):
             cut(reader, folder / "played.bag", Span(SECOND, LENGTH * SECOND), is_played(["map_merger"]))
         told = {"robot_name": "robot_0", "report_socket": str(folder / "reports"), "nodes": "map_merger"}
         self.set(use_sim_time=True, replay_monitor=told)
-        self.start("map_merger", sys.executable, HERE / "slow_merger.py", self.held, self.times)
+        self.start("map_merger", sys.executable, HERE / "slow_merger.py", self.held, self.times, self.anew)
         self.start("monitor", sys.executable, HERE.parent / "nodes" / "replay_monitor")
         play = find_executable("rosbag", "play")
         self.start("player", play, *player_options(), folder / "played.bag", "__name:=player")
@@ -89,4 +89,12 @@ def test_time_stands_still_until_the_node_has_caught_up(replay):
     assert now - caught_up <= AHEAD
     assert replay.report.time <= caught_up
     replay.held.unlink()
+    replay.until(lambda: replay.report.time >= LENGTH - 1)
+
+
+def test_a_node_that_begins_anew_is_waited_for(replay):
+    """Time stood still from then on."""
+    replay.anew.touch()
+    replay.held.unlink()
+    replay.until(lambda: not replay.anew.exists())
     replay.until(lambda: replay.report.time >= LENGTH - 1)

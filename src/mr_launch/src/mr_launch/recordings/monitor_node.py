@@ -11,7 +11,7 @@ from map_merger.srv import SaveMap
 from sensor_msgs.msg import TimeReference
 from std_srvs.srv import Empty, SetBool
 
-from mr_grid.ros_node import init_node
+from mr_grid.ros_node import init_node, until_shutdown
 from mr_launch.monitor import RunnerLink
 
 PERIOD = 0.2  # s of real time between two reports
@@ -26,27 +26,38 @@ class Pace:
     def __init__(self, nodes: List[str]) -> None:
         self.time = 0.0
         """Up to which recorded time the nodes have worked, s."""
-        self._waiting = [rospy.ServiceProxy(CATCH_UP[node], Empty, persistent=True) for node in nodes]
+        self._services = {name: _proxy_of(name) for name in (CATCH_UP[node] for node in nodes)}
         self._caught_up = rospy.Publisher("~caught_up", TimeReference, queue_size=1, latch=True)
 
     def follow(self) -> None:
-        """Until ROS shuts down, or a node has ended, of which the replay hears from roslaunch."""
-        try:
+        """Until ROS shuts down. A node that begins anew is waited for; of one that has ended the replay hears from
+        roslaunch."""
+        with until_shutdown():
             while not rospy.is_shutdown():
                 self._take_a_step()
-        except (rospy.ServiceException, rospy.ROSException) as error:
-            rospy.loginfo("replay_monitor: %s", error)
 
     def _take_a_step(self) -> None:
         now = rospy.Time.now()
-        for catch_up in self._waiting:
-            catch_up()
+        for service in self._services:
+            self._wait_for(service)
         caught_up = TimeReference(time_ref=now, source="replay")
         caught_up.header.stamp = now
         self._caught_up.publish(caught_up)
         self.time = now.to_sec()
         # Not from here on: where the nodes took long, the player stands still by now.
         rospy.sleep(now + rospy.Duration.from_sec(PACE) - rospy.Time.now())
+
+    def _wait_for(self, service: str) -> None:
+        try:
+            self._services[service]()
+        except (rospy.ServiceException, rospy.ROSException) as error:
+            rospy.loginfo("replay_monitor: %s", error)
+            rospy.wait_for_service(service)
+            self._services[service] = _proxy_of(service)
+
+
+def _proxy_of(service: str) -> rospy.ServiceProxy:
+    return rospy.ServiceProxy(service, Empty, persistent=True)
 
 
 class ReplayMonitor:
