@@ -159,8 +159,10 @@ class MapMergerNode:
                 self._publish_status()
 
     def end_run(self):
-        """The one that begins now is another one."""
+        """The one that begins now is another one, by another name."""
         self._own_run.end()
+        if self._options.run:
+            rospy.delete_param("~run")
 
     # Topics
 

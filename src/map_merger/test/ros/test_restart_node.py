@@ -48,6 +48,7 @@ class RestartTest(unittest.TestCase):
 
     def test_1_a_node_that_is_started_anew_goes_on_with_its_run(self):
         first = self.adhoc.wait_for_anchor(lambda anchor: anchor.updates > 0)
+        self.assertEqual(first.boot, (7, 9))
         self.wait_until_kept(first.updates)
         master = rosgraph.Master("/test_restart")
         os.kill(self.pid_of(master), signal.SIGKILL)
