@@ -1,6 +1,6 @@
 """A stand-in for map_merger in replays: it needs as long to catch up as the file `held` is there, and tells the time up
-to which it has, and the newest one, in the file `times`. Once the file `anew` is there it begins anew, as map_merger does
-when the local map is another one."""
+to which it has, and the newest one, in the file `times`. Once the file `anew` is there it begins anew, as map_merger
+does when the local map is another one."""
 
 import os
 import sys
