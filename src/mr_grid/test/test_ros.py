@@ -11,7 +11,16 @@ from hypothesis import strategies as st
 from rospy.exceptions import TransportTerminated
 
 from mr_grid import FARTHEST, GridError, OccupancyGrid, Pose
-from mr_grid.ros import CALL_FAILED, grid_message, grid_value, pose_message, pose_value, quaternion, yaw_of
+from mr_grid.ros import (
+    CALL_FAILED,
+    grid_message,
+    grid_value,
+    pose_message,
+    pose_value,
+    quaternion,
+    typed_fields,
+    yaw_of,
+)
 
 METRES = st.floats(-FARTHEST, FARTHEST)
 CELLS = np.array([[0, 100, -1], [50, 7, 0]], np.int8)
@@ -75,3 +84,9 @@ def test_a_heading_is_the_same_at_any_length_of_its_quaternion(length):
     q = quaternion(1.0)
     q.x, q.y, q.z, q.w = (length * value for value in (q.x, q.y, q.z, q.w))
     assert yaw_of(q) == pytest.approx(1.0)
+
+
+def test_fields_of_a_message_of_any_type():
+    fields = typed_fields(Quaternion(0.0, 0.0, 1.0, 0.0))
+    assert fields["type"] == "geometry_msgs/Quaternion" and fields["md5sum"] == Quaternion._md5sum
+    assert "float64 w" in fields["definition"] and Quaternion().deserialize(fields["data"]).z == 1.0

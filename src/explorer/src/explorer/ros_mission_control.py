@@ -1,7 +1,6 @@
 """ROS node of a mission control: the state of the whole team on a topic, services that order it about."""
 
 import functools
-import io
 import queue
 import socket
 import threading
@@ -18,7 +17,7 @@ from explorer.mission_control import MissionControl, SendOrder
 from explorer.msg import TeamOverview, TeamState
 from explorer.srv import OrderRobots, OrderRobotsResponse
 from explorer.team_state import ORDERS
-from mr_grid.ros import CALL_FAILED
+from mr_grid.ros import CALL_FAILED, typed_fields
 from mr_grid.ros_node import init_node
 
 TICK = 0.5  # s of wall time
@@ -80,12 +79,8 @@ class MissionControlNode:
     def _send_all(self) -> None:
         while not rospy.is_shutdown():
             robot, order = self._sends.get()
-            message = ros_team.order_to(order)
-            octets = io.BytesIO()
-            message.serialize(octets)
-            kind = {"type": message._type, "md5sum": message._md5sum, "definition": message._full_text}
             try:
-                self._send(dst_robot=robot, topic=ros_team.ORDERS_TOPIC, data=octets.getvalue(), **kind)
+                self._send(dst_robot=robot, topic=ros_team.ORDERS_TOPIC, **typed_fields(ros_team.order_to(order)))
             except CALL_FAILED as error:
                 rospy.logdebug(f"mission_control: order to {robot}: {error}")
 

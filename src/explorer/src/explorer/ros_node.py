@@ -1,94 +1,44 @@
 """ROS node of the explorer: maps topics, services and the move_base action to calls of the agent and back."""
 
 import functools
-import io
-import os
 import threading
-import time
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Optional
 
-import actionlib
+import numpy as np
 import rospy
 import scipy.optimize  # both are imported where decisions first need them, and a mission must not wait for that
 import scipy.spatial  # noqa: F401
 import tf2_ros
 from adhoc_communication.msg import ExpAuction, ExpFrontier, MmListOfPoints, Status
-from adhoc_communication.srv import SendExpAuction, SendExpFrontier, SendMessage
-from geometry_msgs.msg import PointStamped
 from map_merger.msg import MergerStatus
-from map_merger.srv import LogMaps, TransformPoint
-from move_base_msgs.msg import MoveBaseAction
-from nav_msgs.msg import GridCells, MapMetaData, OccupancyGrid
+from nav_msgs.msg import MapMetaData, OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import String
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
-from visualization_msgs.msg import MarkerArray
 
-from explorer import logs, messages, options, ros_io, ros_team, ros_verdicts
+from explorer import messages, options, ros_io, ros_team, ros_verdicts
 from explorer.agent import ExplorerAgent
 from explorer.answer import Answer
-from explorer.call_queue import CALLS, HANDOVER, CallQueue
+from explorer.call_queue import CallQueue
 from explorer.decision import Decision
 from explorer.errors import ExplorerError
 from explorer.memory import Memory, memory_of
-from explorer.msg import ExplorationState, ExplorationStatus, TeamOrder, TeamVerdicts
-from explorer.names import CLUSTER_GRIDS, names_for
-from explorer.ros_markers import FrontierMarkers
+from explorer.msg import TeamOrder, TeamVerdicts
+from explorer.names import names_for
+from explorer.ros_calls import Calls
+from explorer.ros_display import Display
+from explorer.ros_goals import Goals
+from explorer.ros_logs import LogFolder
+from explorer.ros_worker import Worker
 from explorer.scene_folder import recorder
 from mr_grid import Pose
 from mr_grid.imaging import use_threads
 from mr_grid.map_frame import MapFrame, MapRuns, NewFrame
-from mr_grid.ros import CALL_FAILED
 from mr_grid.ros_map_frame import FrameListener, run_of_map
 from mr_grid.ros_node import init_node, until_shutdown, warn_of_unknown_parameters
 from mr_grid.rounds import Rounds
 
 TICK = 0.1  # s of wall time
-STATUS_PERIOD = 1.0  # s of ROS time between two messages on ~status
-PICTURE_PERIOD = 2.0  # s of ROS time between two updates of the visualisation
-MESSAGE_FIELDS = {"send_frontier": "frontier", "send_auction": "auction"}  # of the services' requests
-OUTCOMES = {
-    actionlib.GoalStatus.SUCCEEDED: messages.REACHED,
-    actionlib.GoalStatus.PREEMPTED: messages.REPLACED,
-    actionlib.GoalStatus.RECALLED: messages.REPLACED,
-}
-
-
-class Worker:
-    """Threads that make blocking calls, in the order of a `CallQueue`."""
-
-    def __init__(self, name: str, threads: int, calls: CallQueue) -> None:
-        self._name = name
-        self._calls = calls
-        self._ready = threading.Condition()
-        for _ in range(threads):
-            threading.Thread(target=self._run, daemon=True).start()
-
-    def do(self, call: Callable[[], None]) -> None:
-        with self._ready:
-            if not self._calls.put(call):
-                rospy.logwarn_throttle(30.0, f"explorer: {self._name} is too slow, the oldest call is dropped")
-            self._ready.notify_all()
-
-    def _run(self) -> None:
-        while not rospy.is_shutdown():
-            number, call = self._take()
-            try:
-                call()
-            except CALL_FAILED as error:
-                rospy.logwarn_throttle(30.0, f"explorer: {self._name}: {error}")
-            finally:
-                with self._ready:
-                    self._calls.ended(number)
-                    self._ready.notify_all()
-
-    def _take(self) -> Tuple[int, Callable[[], None]]:
-        with self._ready:
-            while True:
-                taken = self._calls.take(time.monotonic())
-                if taken is not None:
-                    return taken
-                self._ready.wait(self._calls.pause(time.monotonic()))
 
 
 class ExplorerNode:
@@ -104,31 +54,17 @@ class ExplorerNode:
         self._wake = threading.Event()
         self._rounds = Rounds()
         self._wire = ros_io.Wire(given)
-        self._markers = FrontierMarkers(self._frame)
-        self._radio = Worker("adhoc_communication", 3, CallQueue(CALLS, HANDOVER))
-        # Bids depend on nothing that is sent before, and an auctioneer waits for them.
-        self._bids = Worker("adhoc_communication", 2, CallQueue(CALLS, HANDOVER))
-        self._merger = Worker("map_merger", 1, CallQueue(20))
+        self._calls = Calls(self._names, given.group)
+        self._display = Display(self._names, self._frame)
+        self._goals = Goals(self._names.action, self._frame, self._on_goal_accepted, self._on_goal_ended)
         self._remembers = rospy.has_param("~memory")
         self._recall: Optional[Memory] = self._former_mission()
         self._kept = self._recall
-        self._log_folder = self._make_log_folder()
-        self._drawn = 0
-        self._draw_time = -PICTURE_PERIOD
+        self._logs = LogFolder(given.log_path, given.robot_name, goes_on=self._recall is not None)
         self._merging = ""  # what map_merger says of itself
-        self._state_sent: Any = None
-        self._state_time = 0.0
-        self._status_sent = b""
-        self._status_time = -STATUS_PERIOD
-        self._home_sent = False
-        self._publishers = self._advertise()
-        self._services = self._proxies()
         self._tf = tf2_ros.Buffer(rospy.Duration(5.0))
         frame = MapFrame(self._frame, given.base_link.strip("/"))
         self._tf_listener = FrameListener(self._tf, frame, self._on_new_frame)
-        # Not the simple client: that one reports an error for each goal that replaces another.
-        self._move_base = actionlib.ActionClient(self._names.action, MoveBaseAction)
-        self._handle: Any = None
         self._subscribe()
         self._offer()
 
@@ -151,38 +87,6 @@ class ExplorerNode:
         except ExplorerError as error:
             rospy.logwarn(f"explorer: {error}")
             return None
-
-    def _make_log_folder(self) -> Optional[str]:
-        if not self._options.log_path:
-            return None
-        folder = os.path.join(os.path.expanduser(self._options.log_path), "explorer", self._options.robot_name)
-        try:
-            os.makedirs(folder, exist_ok=True)
-            if self._recall is None:
-                with open(os.path.join(folder, "periodical.log"), "w") as file:
-                    file.write(logs.PERIODICAL_HEADER)
-        except OSError as error:
-            raise ExplorerError(f"parameter ~log_path is {self._options.log_path!r}: {error}") from error
-        return folder
-
-    def _advertise(self) -> Dict[str, rospy.Publisher]:
-        types = {
-            "state": ExplorationState,
-            "status": ExplorationStatus,
-            "auctions": ExpAuction,
-            "frontiers": MarkerArray,
-            "visited": MarkerArray,
-        }
-        types.update({"goal": PointStamped, "home": PointStamped, "goal_unused": PointStamped})
-        return {
-            key: rospy.Publisher(name, types.get(key, GridCells), latch=key != "auctions", queue_size=10)
-            for key, name in self._names.published.items()
-        }
-
-    def _proxies(self) -> Dict[str, rospy.ServiceProxy]:
-        types = {"send_frontier": SendExpFrontier, "send_auction": SendExpAuction}
-        types.update({"transform_point": TransformPoint, "log_output": LogMaps, "send_message": SendMessage})
-        return {key: rospy.ServiceProxy(name, types[key]) for key, name in self._names.called.items()}
 
     def _subscribe(self) -> None:
         topics = self._names.subscribed
@@ -223,7 +127,7 @@ class ExplorerNode:
         with self._lock:
             self._runs.begin(new.until)
             self._agent.on_new_frame(new.shift, rospy.get_time())
-            self._home_sent = False
+        self._display.forget_home()
         self._wake.set()
 
     def _on_own_map(self, _: MapMetaData) -> None:
@@ -314,13 +218,14 @@ class ExplorerNode:
             if self._options.autostart and self._agent.started_at is None and self._ready():
                 self._agent.start(now)
             effects = self._agent.tick(now)
-            state, memory = ros_io.state_to(self._agent.status(now)), self._agent.memory
+            state, memory, home = ros_io.state_to(self._agent.status(now)), self._agent.memory, self._agent.home
         if self._remembers and memory != self._kept:
             self._keep(memory)
         for effect in effects:
             self._carry_out(effect)
-        self._publish_state(state, now)
-        self._publish_status(now)
+        self._display.state(state, now)
+        self._display.home(home, rospy.Time.now())
+        self._show_status(now)
         self._draw(now)
 
     def _keep(self, memory: Memory) -> None:
@@ -332,7 +237,7 @@ class ExplorerNode:
 
     def _ready(self) -> bool:
         there = self._agent.map is not None and self._agent.pose is not None
-        return there and self._move_base.pub_goal.get_num_connections() > 0
+        return there and self._goals.heard
 
     def _look_up_pose(self) -> Optional[Pose]:
         try:
@@ -347,131 +252,59 @@ class ExplorerNode:
 
     def _carry_out(self, effect: messages.Effect) -> None:
         if isinstance(effect, messages.SetGoal):
-            self._set_goal(effect)
+            stamp = rospy.Time.now()
+            self._display.goal(effect.pose, stamp)
+            self._goals.send(effect, stamp)
         elif isinstance(effect, messages.CancelGoal):
-            if self._handle is not None:
-                self._handle.cancel()
-                self._handle = None
-        elif isinstance(effect, (messages.SendFrontiers, messages.SendAuction)):
+            self._goals.cancel()
+        elif isinstance(effect, messages.SendFrontiers):
+            self._calls.send(*self._wire.radio_call(effect), is_bid=False)
+        elif isinstance(effect, messages.SendAuction):
             call = self._wire.radio_call(effect)
-            if isinstance(effect, messages.SendAuction):
-                self._publishers["auctions"].publish(call[2])
-            is_bid = isinstance(effect, messages.SendAuction) and not effect.auction.status
-            (self._bids if is_bid else self._radio).do(lambda: self._send(*call))
+            self._display.auction(call[2])
+            self._calls.send(*call, is_bid=not effect.auction.status)
         elif isinstance(effect, messages.SendStatement):
-            said = ros_verdicts.verdicts_to(effect)
-            self._radio.do(functools.partial(self._say, self._options.group, ros_verdicts.TOPIC, said))
+            self._calls.say_statement(effect)
         elif isinstance(effect, messages.SendState):
-            told = ros_team.state_to(effect.state, self._merging)
-            self._radio.do(functools.partial(self._say, effect.to, ros_team.STATES_TOPIC, told))
+            self._calls.say_state(effect, self._merging)
         elif isinstance(effect, messages.AskTransform):
-            self._merger.do(lambda: self._ask_transform(effect.robot))
+            self._calls.ask_transform(effect.robot, self._on_transform)
         elif isinstance(effect, messages.LogOutput):
-            self._merger.do(lambda: self._log_output(effect.mask))
+            self._calls.log_output(effect.mask)
         elif isinstance(effect, messages.WriteLog):
-            self._write_log(effect)
+            self._logs.write(effect)
         else:
             (rospy.logwarn if effect.warning else rospy.loginfo)(f"explorer: {effect.text}")
 
-    def _set_goal(self, effect: messages.SetGoal) -> None:
-        stamp = rospy.Time.now()
-        self._publishers["goal"].publish(ros_io.point_to(effect.pose.x, effect.pose.y, self._frame, stamp))
-
-        def transition(handle: Any) -> None:
-            state = handle.get_comm_state()
-            if state == actionlib.CommState.ACTIVE:
-                with self._lock:
-                    self._agent.on_goal_accepted(effect.goal_id, rospy.get_time())
-            elif state == actionlib.CommState.DONE:
-                self._take_result(effect.goal_id, handle.get_goal_status(), handle.get_goal_status_text())
-
-        goal = ros_io.goal_to(effect.pose, self._frame, stamp)
-        self._handle = self._move_base.send_goal(goal, transition_cb=transition)
-
-    def _take_result(self, goal_id: int, status: int, text: str) -> None:
-        outcome = OUTCOMES.get(status, messages.FAILED)
+    def _on_goal_accepted(self, goal_id: int) -> None:
         with self._lock:
-            text = text or actionlib.GoalStatus.to_string(status)
+            self._agent.on_goal_accepted(goal_id, rospy.get_time())
+
+    def _on_goal_ended(self, goal_id: int, outcome: str, text: str) -> None:
+        with self._lock:
             self._agent.on_goal_result(goal_id, outcome, text, rospy.get_time())
         self._wake.set()
 
-    def _send(self, service: str, topic: str, message: Any) -> None:
-        fields = {MESSAGE_FIELDS[service]: message}
-        answer = self._services[service](dst_robot=self._options.group, topic=topic, **fields)
-        if answer.status == 0:
-            rospy.logwarn_throttle(30.0, f"explorer: {self._names.called[service]} could not deliver {topic}")
-
-    def _say(self, destination: str, topic: str, message: Any) -> None:
-        octets = io.BytesIO()
-        message.serialize(octets)
-        kind = {"type": message._type, "md5sum": message._md5sum, "definition": message._full_text}
-        service = self._services[ros_verdicts.SERVICE]
-        service(dst_robot=destination, topic=topic, data=octets.getvalue(), **kind)
-
-    def _ask_transform(self, robot: str) -> None:
-        images = [self._transform_point(robot, probe) for probe in ros_io.PROBES]
+    def _on_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
         with self._lock:
-            self._agent.on_transform(robot, ros_io.transform_from(images), rospy.get_time())
-
-    def _transform_point(self, robot: str, point: Any) -> Any:
-        request = ros_io.named_point(robot, point)
-        try:
-            answer = self._services["transform_point"](request)
-        except rospy.ServiceException:
-            # The contract's answer while no transform to that robot is known.
-            return None
-        return (answer.point.x, answer.point.y)
-
-    def _log_output(self, mask: int) -> None:
-        self._services["log_output"](mask)
-
-    def _write_log(self, effect: messages.WriteLog) -> None:
-        if self._log_folder is None:
-            return
-        try:
-            with open(os.path.join(self._log_folder, effect.name), "a" if effect.append else "w") as file:
-                file.write(effect.text)
-        except OSError as error:
-            rospy.logwarn_throttle(60.0, f"explorer: cannot write the log: {error}")
+            self._agent.on_transform(robot, transform, rospy.get_time())
 
     # ---- visualisation --------------------------------------------------------------------------------------------
 
-    def _publish_state(self, state: ExplorationState, now: float) -> None:
-        essence = (state.state, state.exploration_finished, state.has_goal)
-        if essence != self._state_sent or abs(now - self._state_time) >= 1.0:
-            self._state_sent, self._state_time = essence, now
-            self._publishers["state"].publish(state)
-
-    def _publish_status(self, now: float) -> None:
-        """What is explored and why, when it has changed."""
-        if abs(now - self._status_time) < STATUS_PERIOD:
+    def _show_status(self, now: float) -> None:
+        if not self._display.status_is_due(now):
             return
-        self._status_time = now
         with self._lock:
             report = self._agent.report(now)
-        message = ros_io.status_to(report, self._frame)
-        content = io.BytesIO()
-        message.serialize(content)  # NaN differs from itself, its bytes do not
-        if content.getvalue() != self._status_sent:
-            self._status_sent = content.getvalue()
-            message.header.stamp = rospy.Time.from_sec(now)
-            self._publishers["status"].publish(message)
+        self._display.status(report, now)
 
     def _draw(self, now: float) -> None:
         with self._lock:
-            home, revision = self._agent.home, self._agent.perception.revision
-            if home is not None and not self._home_sent:
-                self._home_sent = True
-                self._publishers["home"].publish(ros_io.point_to(home.x, home.y, self._frame, rospy.Time.now()))
-            if revision == self._drawn or abs(now - self._draw_time) < PICTURE_PERIOD:
+            revision = self._agent.perception.revision
+            if not self._display.picture_is_due(revision, now):
                 return
-            self._drawn, self._draw_time = revision, now
             picture = self._agent.picture()
-        stamp = rospy.Time.now()
-        self._publishers["frontiers"].publish(self._markers.frontiers(picture, stamp))
-        self._publishers["visited"].publish(self._markers.visited(picture, stamp))
-        for index, grid in enumerate(ros_io.cluster_grids(picture, CLUSTER_GRIDS, self._frame, stamp)):
-            self._publishers[f"cluster_{index}"].publish(grid)
+        self._display.draw(picture, revision, now, rospy.Time.now())
 
 
 def main() -> int:

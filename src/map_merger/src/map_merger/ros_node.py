@@ -6,38 +6,21 @@ their own, so neither a slow radio nor a search delays a callback.
 
 import os
 import queue
-import re
 import socket
 import sys
 import threading
 import time
 from functools import partial
-from io import BytesIO
 
 import rospy
 import tf2_ros
-from adhoc_communication.msg import MmListOfPoints, MmPoint, Status
-from adhoc_communication.srv import (
-    GetNeighbors,
-    SendMessage,
-    SendMessageRequest,
-    SendMmControl,
-    SendMmControlRequest,
-    SendMmMapUpdate,
-    SendMmMapUpdateRequest,
-    SendMmRobotPosition,
-    SendMmRobotPositionRequest,
-    SendOccupancyGrid,
-    SendOccupancyGridRequest,
-)
-from rospy.numpy_msg import numpy_msg
+from adhoc_communication.msg import MmPoint, Status
 from std_msgs.msg import String
 from std_srvs.srv import Empty, EmptyResponse
-from visualization_msgs.msg import MarkerArray
 
 from map_merger import ros_io, ros_outputs, ros_radio
 from map_merger.agent import Agent
-from map_merger.delivery import Delivery, take
+from map_merger.delivery import take
 from map_merger.effects import (
     AskNeighbors,
     BroadcastTransforms,
@@ -46,26 +29,19 @@ from map_merger.effects import (
     PublishMap,
     PublishPositions,
     PublishTrack,
-    Purpose,
     Register,
     SaveDebugImages,
     Send,
 )
 from map_merger.job import outcome_of
-from map_merger.log_files import (
-    PERIODICAL_HEADER,
-    PROGRESS,
-    UPDATES_HEADER,
-    LogBits,
-    periodical_line,
-    picture_of,
-    updates_line,
-)
-from map_merger.messages import Tile
+from map_merger.log_files import LogBits
 from map_merger.options import PARAMETERS, OptionError, options_of, warnings_of
 from map_merger.outbox import Outbox
 from map_merger.ros_inputs import PoseInput, ScanInput
+from map_merger.ros_logs import LogError, LogFolder
+from map_merger.ros_maps import Maps
 from map_merger.ros_run import OwnRun
+from map_merger.ros_sends import Sends
 from map_merger.srv import (
     LogMaps,
     LogMapsResponse,
@@ -75,7 +51,7 @@ from map_merger.srv import (
 from map_merger.timer import time_of
 from map_merger.view import NoTransform
 from mr_grid.imaging import use_threads
-from mr_grid.ros import CALL_FAILED, NumpyOccupancyGrid, grid_message
+from mr_grid.ros import NumpyOccupancyGrid
 from mr_grid.ros_map_frame import FrameListener
 from mr_grid.ros_node import init_node, until_shutdown, warn_of_unknown_parameters
 from mr_grid.rounds import Rounds
@@ -83,19 +59,6 @@ from mr_grid.rounds import Rounds
 LOOP_S = 0.2
 STATUS_PERIOD_S = 1.0
 ADHOC_QUEUE = 1000
-MOST_SENDS = 256
-
-
-class TooLarge(Exception):
-    """adhoc_communication does not send a tile of that size."""
-
-
-def typed_request(destination, topic, message):
-    """Request of a message of any type."""
-    octets = BytesIO()
-    message.serialize(octets)
-    kind = {"type": message._type, "md5sum": message._md5sum, "definition": message._full_text}
-    return SendMessageRequest(dst_robot=destination, topic=topic, data=octets.getvalue(), **kind)
 
 
 class MapMergerNode:
@@ -104,8 +67,7 @@ class MapMergerNode:
     def __init__(self, options):
         self._options = options
         self._prefix = options.robot_prefix + "/" if options.robot_prefix else ""
-        logs = os.path.expanduser(options.log_path)
-        self._folder = os.path.join(logs, "map_merger", options.robot_name) if logs else ""
+        self._logs = LogFolder(options.log_path, options.robot_name)
         self.begins_anew = False
         topic = options.local_map_topic if options.has_local_map else ""
         self._own_run = OwnRun(options.robot_name, topic, options.local_map_frame_id)
@@ -113,20 +75,14 @@ class MapMergerNode:
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._rounds = Rounds()
-        # A group send waits for its slowest member; positions, requests and answers do not wait behind it.
-        self._sends = {purpose: queue.Queue(MOST_SENDS) for purpose in Purpose}
+        self._sends = Sends(options, self._prefix, self._on_send_ended, self._on_neighbors)
         self._outbox = Outbox(self._carry_out)
         self._jobs = queue.Queue(2)
         self._pose_input = None
         self._status_due = 0.0
         self._wrong_frame = False
-        self._global = rospy.Publisher("~global_map", NumpyOccupancyGrid, queue_size=3, latch=True)
         self._outputs = ros_outputs.Outputs(options.local_map_frame_id)
-        self._shown = None
-        self._positions = rospy.Publisher(self._network("all_positions"), MmListOfPoints, queue_size=3)
-        self._tracks = {}
-        self._broadcaster = tf2_ros.TransformBroadcaster()
-        self._make_clients()
+        self._maps = Maps(options.local_map_frame_id, self._prefix, self._outputs)
         self._subscribe()
         self._services = [
             rospy.Service("~transformPoint", TransformPoint, self._transform_point),
@@ -134,8 +90,8 @@ class MapMergerNode:
             *ros_outputs.serve(self._global_grid, self._forget),
             rospy.Service("~catchUp", Empty, self._catch_up),
         ]
-        for work in (*(partial(self._send_all, sends) for sends in self._sends.values()), self._register_all):
-            threading.Thread(target=work, daemon=True).start()
+        self._sends.begin()
+        threading.Thread(target=self._register_all, daemon=True).start()
 
     def _make_agent(self):
         """Goes on with the run that the node left when it ended, if SLAM has gone on meanwhile."""
@@ -264,35 +220,26 @@ class MapMergerNode:
     # Effects
 
     def _carry_out(self, effect):
-        frame, stamp = self._options.local_map_frame_id, rospy.Time.now()
+        stamp = rospy.Time.now()
         if isinstance(effect, Send):
-            self._enqueue_send(effect)
+            if not self._sends.put(effect):
+                self._drop_send(effect)
         elif isinstance(effect, Register):
             self._jobs.put(effect)
         elif isinstance(effect, PublishMap):
-            self._publish_map(effect, frame, stamp)
+            self._maps.publish_map(effect, stamp)
         elif isinstance(effect, PublishPositions):
-            self._positions.publish(ros_io.points_message(effect.places))
+            self._maps.publish_positions(effect)
         elif isinstance(effect, PublishTrack):
-            self._publish_track(effect, frame, stamp)
+            self._maps.publish_track(effect, stamp)
         elif isinstance(effect, BroadcastTransforms):
-            children = [(self._child_frame(robot), transform) for robot, transform in effect.transforms]
-            ahead = ros_outputs.dated_ahead(stamp)
-            self._broadcaster.sendTransform(ros_io.transform_messages(children, frame.lstrip("/"), ahead))
+            self._maps.broadcast(effect, stamp)
         elif isinstance(effect, AskNeighbors):
-            self._sends[Purpose.REQUEST].put(effect)
+            self._sends.ask_neighbors()
         elif isinstance(effect, SaveDebugImages):
-            self._save({"local.pgm": picture_of(effect.present), "old.pgm": picture_of(effect.before)})
+            self._logs.write_debug(effect)
         elif isinstance(effect, Note):
             (rospy.logwarn if effect.warning else rospy.loginfo)(f"map_merger {self._agent.name}: {effect.text}")
-
-    def _publish_map(self, effect, frame, stamp):
-        message = grid_message(effect.grid, frame, stamp)
-        message.info.map_load_time = rospy.Time(*effect.boot)
-        self._global.publish(message)
-        if effect.grid.info == self._shown:
-            self._outputs.show_update(effect.grid, effect.changed, stamp)
-        self._shown = effect.grid.info
 
     def _publish_status(self):
         now = time.monotonic()
@@ -309,75 +256,14 @@ class MapMergerNode:
         with self._lock:
             return self._agent.view.markers()
 
-    def _child_frame(self, robot):
-        """Under one master the other robots' own map frames are roots of their trees, so copies are broadcast."""
-        own = self._options.robot_prefix.strip("/")
-        return f"{own}/{robot}/map" if own else f"{robot}/map"
-
-    def _publish_track(self, effect, frame, stamp):
-        if effect.robot not in self._tracks:
-            name = "~position_" + re.sub(r"[^A-Za-z0-9_]", "_", effect.robot)
-            self._tracks[effect.robot] = rospy.Publisher(name, MarkerArray, queue_size=3, latch=True)
-        publisher = self._tracks[effect.robot]
-        if publisher.get_num_connections():
-            publisher.publish(ros_io.track_message(effect.points, frame, stamp))
-
-    def _enqueue_send(self, send):
-        try:
-            self._sends[send.purpose].put_nowait(send)
-        except queue.Full:
-            self._drop_send(send)
-
     def _drop_send(self, send):
         rospy.logwarn_throttle(10.0, "map_merger: the radio is too slow, a send was dropped")
         self._do(lambda now: self._agent.on_sent(send, Outcome(send.payloads), now))
 
-    # Radio
+    def _on_send_ended(self, delivery):
+        self._do(lambda now: delivery.report(self._agent, now))
 
-    def _make_clients(self):
-        def client(name, kind):
-            return rospy.ServiceProxy(f"{self._prefix}adhoc_communication/{name}", kind)
-
-        self._send_services = {
-            "send_map_update": (client("send_map_update", SendMmMapUpdate), numpy_msg(SendMmMapUpdateRequest)),
-            "send_map": (client("send_map", SendOccupancyGrid), numpy_msg(SendOccupancyGridRequest)),
-            "send_control_message": (client("send_control_message", SendMmControl), SendMmControlRequest),
-            "send_position": (client("send_position", SendMmRobotPosition), SendMmRobotPositionRequest),
-            ros_radio.SEND_TYPED: (client(ros_radio.SEND_TYPED, SendMessage), typed_request),
-        }
-        self._get_neighbors = client("get_neighbors", GetNeighbors)
-
-    def _send_all(self, sends):
-        while not rospy.is_shutdown():
-            send = sends.get()
-            if isinstance(send, AskNeighbors):
-                self._ask_neighbors()
-                continue
-            outcome = Delivery(send)
-            while outcome.next is not None:
-                try:
-                    outcome.ended(self._deliver(send.destination, outcome.next))
-                except TooLarge:
-                    outcome.ended(False, too_large=True)
-            self._do(lambda now, outcome=outcome: outcome.report(self._agent, now))
-
-    def _deliver(self, destination, payload):
-        call = ros_radio.radio_call(payload, self._options, rospy.Time.now())
-        client, request = self._send_services[call.service]
-        try:
-            return client(request(destination, call.topic, call.message)).status == 1
-        except CALL_FAILED as error:
-            if isinstance(payload, Tile) and ros_io.REFUSED_FOR_SIZE in str(error):
-                raise TooLarge from error
-            rospy.logdebug(f"send to {destination} failed: {error}")
-        return False
-
-    def _ask_neighbors(self):
-        try:
-            names = self._get_neighbors().neigbors
-        except CALL_FAILED as error:
-            rospy.logdebug(f"get_neighbors failed: {error}")
-            return
+    def _on_neighbors(self, names):
         for name in names:
             self._do(lambda now, name=name: self._agent.on_robot(name, now))
 
@@ -418,46 +304,14 @@ class MapMergerNode:
         return EmptyResponse()
 
     def _log_output(self, request):
-        if not self._folder:
-            raise rospy.ServiceException("parameter log_path is not set, so there is no place for the log")
-        bits = LogBits(request.log & 0x0F)
         with self._lock:
             local, merged = self._agent.view.local_map, self._agent.view.global_map
             figures = self._agent.view.log_figures()
-        pictures = {}
-        if merged is not None and bits & (LogBits.GLOBAL_MAP | PROGRESS):
-            pictures["global.pgm"] = picture_of(merged)
-        if local is not None and bits & (LogBits.LOCAL_MAP | PROGRESS):
-            pictures["local.pgm"] = picture_of(local)
-        now = rospy.get_time()
         try:
-            self._write(pictures)
-            if bits & PROGRESS:
-                self._append("periodical.log", PERIODICAL_HEADER, periodical_line(now, figures, bits))
-                self._append("updates_log", UPDATES_HEADER, updates_line(now, figures))
-        except OSError as error:
-            raise rospy.ServiceException(f"log not written: {error}") from error
+            self._logs.write_output(LogBits(request.log & 0x0F), local, merged, figures, rospy.get_time())
+        except LogError as error:
+            raise rospy.ServiceException(str(error)) from error
         return LogMapsResponse()
-
-    def _save(self, files):
-        if not self._folder:
-            return
-        try:
-            self._write(files)
-        except OSError as error:
-            rospy.logwarn_throttle(60.0, f"map_merger: debug images not written: {error}")
-
-    def _write(self, files):
-        os.makedirs(self._folder, exist_ok=True)
-        for name, content in files.items():
-            with open(os.path.join(self._folder, name), "wb") as file:
-                file.write(content)
-
-    def _append(self, name, header, line):
-        path = os.path.join(self._folder, name)
-        new = not os.path.exists(path)
-        with open(path, "a", encoding="utf-8") as file:
-            file.write((header if new else "") + line)
 
 
 def main():

@@ -49,8 +49,8 @@ def test_parameters_without_effect_are_listed_with_the_reason():
 
 
 def test_topics_and_services_of_the_table_are_those_of_the_node():
-    files = ("ros_node.py", "ros_io.py", "ros_outputs.py", "ros_radio.py", "ros_inputs.py")
-    node = "".join(text_of("src", "map_merger", name) for name in files)
+    files = ("node", "io", "maps", "outputs", "radio", "inputs", "sends")
+    node = "".join(text_of("src", "map_merger", f"ros_{name}.py") for name in files)
     parameters = {f"<{name}>" for name in PARAMETERS}
     for row in table("Topics") + table("Services"):
         name = row[0].strip("`").replace("<prefix>/", "")
@@ -59,7 +59,7 @@ def test_topics_and_services_of_the_table_are_those_of_the_node():
         else:
             name = name.replace("<robot>/map", "{robot}/map").replace("<robot>", "")
             assert name in node, name
-    declared = set(re.findall(r'"(~\w+)"', node)) | set(re.findall(r'_network\("([\w/]+)"\)', node))
+    declared = set(re.findall(r'"(~\w+)"', node)) | set(re.findall(r'(?:_network\("|Publisher\(f"\{prefix\})([\w/]+)"', node))
     documented = " ".join(row[0] for row in table("Topics") + table("Services"))
     for name in declared - {f"~{name}" for name in PARAMETERS}:
         assert name in documented or name == "~", name

@@ -1,7 +1,8 @@
 """Poses and maps in ROS messages. Only nodes and the modules that convert messages for them import this."""
 
 import math
-from typing import Any
+from io import BytesIO
+from typing import Any, Dict
 
 import numpy as np
 import rospy
@@ -67,3 +68,11 @@ def grid_message(grid: OccupancyGrid, frame: str, stamp: rospy.Time) -> Occupanc
     message.info = info_message(grid.info, stamp)
     message.data = np.ascontiguousarray(grid.cells, dtype=np.int8).ravel()
     return message
+
+
+def typed_fields(message: Any) -> Dict[str, Any]:
+    """`type`, `md5sum`, `definition` and `data`: how services that take messages of any type are given one."""
+    octets = BytesIO()
+    message.serialize(octets)
+    kind = {"type": message._type, "md5sum": message._md5sum, "definition": message._full_text}
+    return {**kind, "data": octets.getvalue()}
