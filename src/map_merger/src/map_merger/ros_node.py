@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from functools import partial
+from typing import Any, Callable, Iterable, Optional, Tuple
 
 import rospy
 import tf2_ros
@@ -20,10 +21,11 @@ from std_srvs.srv import Empty, EmptyResponse
 
 from map_merger import ros_io, ros_outputs, ros_radio
 from map_merger.agent import Agent
-from map_merger.delivery import take
+from map_merger.delivery import Delivery, take
 from map_merger.effects import (
     AskNeighbors,
     BroadcastTransforms,
+    Effect,
     Note,
     Outcome,
     PublishMap,
@@ -35,7 +37,8 @@ from map_merger.effects import (
 )
 from map_merger.job import outcome_of
 from map_merger.log_files import LogBits
-from map_merger.options import PARAMETERS, OptionError, options_of, warnings_of
+from map_merger.markers import RobotMarker
+from map_merger.options import PARAMETERS, OptionError, Options, options_of, warnings_of
 from map_merger.outbox import Outbox
 from map_merger.ros_inputs import PoseInput, ScanInput
 from map_merger.ros_logs import LogError, LogFolder
@@ -50,6 +53,7 @@ from map_merger.srv import (
 )
 from map_merger.timer import time_of
 from map_merger.view import NoTransform
+from mr_grid import OccupancyGrid
 from mr_grid.imaging import use_threads
 from mr_grid.ros import NumpyOccupancyGrid
 from mr_grid.ros_map_frame import FrameListener
@@ -64,7 +68,7 @@ ADHOC_QUEUE = 1000
 class MapMergerNode:
     """The node."""
 
-    def __init__(self, options):
+    def __init__(self, options: Options) -> None:
         self._options = options
         self._prefix = options.robot_prefix + "/" if options.robot_prefix else ""
         self._logs = LogFolder(options.log_path, options.robot_name)
@@ -77,8 +81,8 @@ class MapMergerNode:
         self._rounds = Rounds()
         self._sends = Sends(options, self._prefix, self._on_send_ended, self._on_neighbors)
         self._outbox = Outbox(self._carry_out)
-        self._jobs = queue.Queue(2)
-        self._pose_input = None
+        self._jobs: queue.Queue[Register] = queue.Queue(2)
+        self._pose_input: Optional[PoseInput] = None
         self._status_due = 0.0
         self._wrong_frame = False
         self._outputs = ros_outputs.Outputs(options.local_map_frame_id)
@@ -93,7 +97,7 @@ class MapMergerNode:
         self._sends.begin()
         threading.Thread(target=self._register_all, daemon=True).start()
 
-    def _make_agent(self):
+    def _make_agent(self) -> Agent:
         """Goes on with the run that the node left when it ended, if SLAM has gone on meanwhile."""
         kept = self._own_run.former()
         if kept is None:
@@ -104,7 +108,7 @@ class MapMergerNode:
         rospy.loginfo("map_merger goes on with the map of its former run")
         return agent
 
-    def run(self):
+    def run(self) -> None:
         """Until ROS shuts down, or the local map is another one."""
         while not (rospy.is_shutdown() or self.begins_anew):
             self._wake.wait(LOOP_S)
@@ -114,7 +118,7 @@ class MapMergerNode:
                 self._do(lambda now: self._agent.tick(now))
                 self._publish_status()
 
-    def end_run(self):
+    def end_run(self) -> None:
         """The one that begins now is another one, by another name."""
         self._own_run.end()
         if self._options.run:
@@ -122,10 +126,10 @@ class MapMergerNode:
 
     # Topics
 
-    def _network(self, topic):
+    def _network(self, topic: str) -> str:
         return self._prefix + topic
 
-    def _subscribe(self):
+    def _subscribe(self) -> None:
         options = self._options
         for topic, kind in ros_radio.incoming(options).items():
             self._listen(self._network(topic), kind.kind, partial(self._on_incoming, kind))
@@ -136,7 +140,7 @@ class MapMergerNode:
             self._listen(options.local_map_topic, NumpyOccupancyGrid, self._on_local_map, queue_size=1)
             self._subscribe_poses()
 
-    def _subscribe_poses(self):
+    def _subscribe_poses(self) -> None:
         options, frame = self._options, self._options.local_map_frame_id
         self._buffer = tf2_ros.Buffer()
         self._listener = FrameListener(self._buffer, self._own_run.frame, lambda _: self._begin_anew())
@@ -153,10 +157,10 @@ class MapMergerNode:
             )
 
     @staticmethod
-    def _listen(topic, kind, handler, queue_size=ADHOC_QUEUE):
+    def _listen(topic: str, kind: type, handler: Callable[[Any], None], queue_size: int = ADHOC_QUEUE) -> None:
         rospy.Subscriber(topic, kind, handler, queue_size=queue_size, buff_size=2**20)
 
-    def _do(self, call):
+    def _do(self, call: Callable[[float], Any]) -> None:
         """Calls the agent and carries out what it wants; a message that cannot be used is reported once in a while."""
         try:
             with self._lock:
@@ -171,7 +175,7 @@ class MapMergerNode:
         with until_shutdown():
             self._outbox.work()
 
-    def _on_local_map(self, message):
+    def _on_local_map(self, message: Any) -> None:
         frame = message.header.frame_id
         if frame.lstrip("/") != self._options.local_map_frame_id.lstrip("/"):
             if not self._wrong_frame:
@@ -187,28 +191,28 @@ class MapMergerNode:
         self._do(lambda now: self._agent.on_local_map(ros_io.grid_of_message(message), now))
         self._wake.set()
 
-    def _begin_anew(self):
+    def _begin_anew(self) -> None:
         """The local map is another one, in another frame."""
         self.begins_anew = True
         self._wake.set()
 
-    def _on_incoming(self, kind, message):
+    def _on_incoming(self, kind: ros_radio.Incoming, message: Any) -> None:
         self._do(lambda now: take(self._agent, kind.value_of(message), now))
 
-    def _on_new_robot(self, message):
+    def _on_new_robot(self, message: String) -> None:
         self._do(lambda now: self._agent.on_robot(message.data, now, returned=True))
 
-    def _on_remove_robot(self, message):
+    def _on_remove_robot(self, message: String) -> None:
         self._do(lambda now: self._agent.on_robot_lost(message.data, now))
 
-    def _on_status(self, message):
+    def _on_status(self, message: Status) -> None:
         self._do(lambda now: self._agent.on_robots(message.robots, now))
 
-    def _wants_scans(self):
+    def _wants_scans(self) -> bool:
         with self._lock:
             return self._agent.wants_scans
 
-    def _take_pose(self):
+    def _take_pose(self) -> None:
         """Hands the newest pose to the agent."""
         if self._pose_input is not None:
             self._own_run.frame.base_frame = self._pose_input.base_frame
@@ -219,7 +223,7 @@ class MapMergerNode:
 
     # Effects
 
-    def _carry_out(self, effect):
+    def _carry_out(self, effect: Effect) -> None:
         stamp = rospy.Time.now()
         if isinstance(effect, Send):
             if not self._sends.put(effect):
@@ -241,7 +245,7 @@ class MapMergerNode:
         elif isinstance(effect, Note):
             (rospy.logwarn if effect.warning else rospy.loginfo)(f"map_merger {self._agent.name}: {effect.text}")
 
-    def _publish_status(self):
+    def _publish_status(self) -> None:
         now = time.monotonic()
         if now < self._status_due:
             return
@@ -252,24 +256,24 @@ class MapMergerNode:
         self._outputs.show_status(status, rospy.Time.now())
         self._outputs.show_team(self._team, rospy.Time.now())
 
-    def _team(self):
+    def _team(self) -> Tuple[RobotMarker, ...]:
         with self._lock:
             return self._agent.view.markers()
 
-    def _drop_send(self, send):
+    def _drop_send(self, send: Send) -> None:
         rospy.logwarn_throttle(10.0, "map_merger: the radio is too slow, a send was dropped")
         self._do(lambda now: self._agent.on_sent(send, Outcome(send.payloads), now))
 
-    def _on_send_ended(self, delivery):
+    def _on_send_ended(self, delivery: Delivery) -> None:
         self._do(lambda now: delivery.report(self._agent, now))
 
-    def _on_neighbors(self, names):
+    def _on_neighbors(self, names: Iterable[str]) -> None:
         for name in names:
-            self._do(lambda now, name=name: self._agent.on_robot(name, now))
+            self._do(partial(self._agent.on_robot, name))
 
     # Registration
 
-    def _register_all(self):
+    def _register_all(self) -> None:
         while not rospy.is_shutdown():
             effect = self._jobs.get()
             result, fault = outcome_of(effect.job)
@@ -280,7 +284,7 @@ class MapMergerNode:
 
     # Services
 
-    def _transform_point(self, request):
+    def _transform_point(self, request: Any) -> TransformPointResponse:
         point = request.point
         try:
             with self._lock:
@@ -289,21 +293,21 @@ class MapMergerNode:
             raise rospy.ServiceException(str(error)) from error
         return TransformPointResponse(MmPoint(self._agent.name, x, y))
 
-    def _global_grid(self):
+    def _global_grid(self) -> Optional[OccupancyGrid]:
         with self._lock:
             return self._agent.view.global_map
 
-    def _forget(self, robot):
+    def _forget(self, robot: str) -> None:
         with self._lock:
             if not self._agent.forget(robot):
                 raise KeyError(robot)
 
-    def _catch_up(self, _):
+    def _catch_up(self, _: Any) -> EmptyResponse:
         self._rounds.wait_for_whole_one(self._wake.set)
         self._jobs.join()
         return EmptyResponse()
 
-    def _log_output(self, request):
+    def _log_output(self, request: Any) -> LogMapsResponse:
         with self._lock:
             local, merged = self._agent.view.local_map, self._agent.view.global_map
             figures = self._agent.view.log_figures()
@@ -314,7 +318,7 @@ class MapMergerNode:
         return LogMapsResponse()
 
 
-def main():
+def main() -> int:
     """Reads the parameters and runs the node; a bad parameter ends it with one message."""
     init_node("map_merger")
     use_threads(1)

@@ -59,7 +59,8 @@ def test_topics_and_services_of_the_table_are_those_of_the_node():
         else:
             name = name.replace("<robot>/map", "{robot}/map").replace("<robot>", "")
             assert name in node, name
-    declared = set(re.findall(r'"(~\w+)"', node)) | set(re.findall(r'(?:_network\("|Publisher\(f"\{prefix\})([\w/]+)"', node))
+    networked = re.findall(r'(?:_network\("|Publisher\(f"\{prefix\})([\w/]+)"', node)
+    declared = {*re.findall(r'"(~\w+)"', node), *networked}
     documented = " ".join(row[0] for row in table("Topics") + table("Services"))
     for name in declared - {f"~{name}" for name in PARAMETERS}:
         assert name in documented or name == "~", name

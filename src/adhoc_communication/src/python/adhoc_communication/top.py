@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import sys
 import time
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -23,34 +24,40 @@ except ImportError:  # the plain lines need nothing
 TYPE = "adhoc_communication/NetworkState"
 LATE = 3.0  # s without a message
 
+Told = Tuple[float, NetworkState, Optional[NetworkState]]  # when it came, and the one before
+Cells = Sequence[object]
+Rows = Tuple[str, Cells, Sequence[Cells]]  # a table: title, columns, rows
+Section = Tuple[str, List[str], List[Rows]]  # of a robot: title, lines of facts, tables
+
 
 class View:
     """The last states of every robot shown."""
 
-    def __init__(self, topics):
-        self._last = {}
+    def __init__(self, topics: Sequence[str]) -> None:
+        self._last: Dict[str, Told] = {}
         self._subscribers = [rospy.Subscriber(topic, NetworkState, self._store, topic) for topic in topics]
 
-    def _store(self, state, topic):
+    def _store(self, state: NetworkState, topic: str) -> None:
         previous = self._last.get(topic)
         self._last[topic] = (time.monotonic(), state, previous[1] if previous else None)
 
-    def complete(self):
+    def complete(self) -> bool:
         return len(self._last) == len(self._subscribers)
 
-    def sections(self):
-        """(title, lines of facts, tables) of each robot; a table is (title, columns, rows)."""
+    def sections(self) -> List[Section]:
+        """Of each robot."""
         return [section(*self._last[topic]) for topic in sorted(self._last)]
 
 
-def octets(count):
+def octets(count: float) -> str:
     for unit in ("B", "kB", "MB", "GB"):
         if count < 1000 or unit == "GB":
-            return f"{count:.0f} {unit}" if unit == "B" else f"{count:.1f} {unit}"
+            break
         count /= 1000
+    return f"{count:.0f} {unit}" if unit == "B" else f"{count:.1f} {unit}"
 
 
-def rate(state, previous, name):
+def rate(state: NetworkState, previous: Optional[NetworkState], name: str) -> str:
     """Octets per second between two states; nothing for the first state and after a restart."""
     if previous is None or getattr(state, name) < getattr(previous, name):
         return "-"
@@ -58,13 +65,13 @@ def rate(state, previous, name):
     return octets((getattr(state, name) - getattr(previous, name)) / seconds) + "/s" if seconds > 0 else "-"
 
 
-def dropped(state):
+def dropped(state: NetworkState) -> str:
     names = ("malformed", "unsealed", "without_key", "forged", "replayed", "reflected", "unproven")
     counts = {name: getattr(state, f"frames_{name}") for name in names}
     return ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count) or "none"
 
 
-def facts(received, state, previous):
+def facts(received: float, state: NetworkState, previous: Optional[NetworkState]) -> List[str]:
     age = time.monotonic() - received
     lines = [
         f"sent {octets(state.bytes_sent)} ({rate(state, previous, 'bytes_sent')}), "
@@ -86,7 +93,7 @@ def facts(received, state, previous):
     return lines
 
 
-def section(received, state, previous):
+def section(received: float, state: NetworkState, previous: Optional[NetworkState]) -> Section:
     interface = f"{state.interface} {'up' if state.interface_up else 'DOWN'}"
     title = f"{state.robot_name} on {interface}, {state.address}, {'sealed' if state.sealed else 'OPEN'}"
     tables = [neighbors(state), routes(state), groups(state)]
@@ -95,7 +102,7 @@ def section(received, state, previous):
     return title, facts(received, state, previous), tables
 
 
-def neighbors(state):
+def neighbors(state: NetworkState) -> Rows:
     columns = ("neighbour", "address", "both ways", "loss", "waiting", "in flight", "given up", "silent")
     rows = [
         (link.robot or "?", link.address, "yes" if link.two_way else "NO", f"{100 * link.loss:.0f} %", link.waiting,
@@ -105,7 +112,7 @@ def neighbors(state):
     return "neighbours", columns, rows
 
 
-def routes(state):
+def routes(state: NetworkState) -> Rows:
     columns = ("destination", "next hop", "hops", "cost", "state", "number", "used by")
     rows = [
         (route.destination, route.next_hop, route.hops, f"{route.cost:.1f}",
@@ -115,8 +122,8 @@ def routes(state):
     return "routes", columns, rows
 
 
-def groups(state):
-    def standing(group):
+def groups(state: NetworkState) -> Rows:
+    def standing(group: Any) -> str:
         if group.root:
             return "root"
         if group.joining:
@@ -131,7 +138,7 @@ def groups(state):
     return "groups", columns, rows
 
 
-def relays(state):
+def relays(state: NetworkState) -> Rows:
     columns = ("relayed topic", "to", "type", "priority", "waiting", "delivered", "dropped", "failed")
     rows = [
         (relay.topic, relay.destination or "all", relay.type or "-", relay.priority, relay.waiting, relay.delivered,
@@ -141,12 +148,12 @@ def relays(state):
     return "relays", columns, rows
 
 
-def printable(text):
+def printable(text: object) -> str:
     """Names that come from the air must not drive the terminal."""
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in str(text))
 
 
-def plain_table(title, columns, rows):
+def plain_table(title: str, columns: Cells, rows: Sequence[Cells]) -> List[str]:
     if not rows:
         return [f"  no {title}"]
     cells = [[printable(cell) for cell in row] for row in (columns, *rows)]
@@ -154,8 +161,8 @@ def plain_table(title, columns, rows):
     return ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in cells]
 
 
-def plain(sections):
-    lines = []
+def plain(sections: Iterable[Section]) -> str:
+    lines: List[str] = []
     for title, facts_of_robot, tables in sections:
         lines += [printable(title), *(f"  {fact}" for fact in facts_of_robot)]
         for table in tables:
@@ -163,7 +170,7 @@ def plain(sections):
     return "\n".join(lines)
 
 
-def rich_table(title, columns, rows):
+def rich_table(title: str, columns: Cells, rows: Sequence[Cells]) -> "Table":
     table = Table(title=title, title_justify="left", title_style="bold", expand=False)
     for column in columns:
         table.add_column(column)
@@ -172,15 +179,15 @@ def rich_table(title, columns, rows):
     return table
 
 
-def rich_view(sections):
-    parts = []
+def rich_view(sections: Iterable[Section]) -> "Group":
+    parts: List[Any] = []
     for title, facts_of_robot, tables in sections:
         parts += [escape(printable(title)), *facts_of_robot]
         parts += [rich_table(*table) if table[2] else f"no {table[0]}" for table in tables]
     return Group(*parts)
 
 
-def published_topics():
+def published_topics() -> List[str]:
     """Topics of nodes that tell the state of their radio; exits with a sentence when there are none."""
     try:
         topics = [name for name, kind in rosgraph.Master("/adhoc_top").getPublishedTopics("") if kind == TYPE]
@@ -191,14 +198,14 @@ def published_topics():
     return topics
 
 
-def wait_for_states(view, seconds):
+def wait_for_states(view: View, seconds: float) -> bool:
     end = time.monotonic() + seconds
     while not view.complete() and time.monotonic() < end and not rospy.is_shutdown():
         time.sleep(0.05)
     return bool(view.sections())
 
 
-def show_live(view, interval):
+def show_live(view: View, interval: float) -> None:
     if not RICH or not sys.stdout.isatty():
         while not rospy.is_shutdown():
             print(plain(view.sections()), end="\n\n", flush=True)
@@ -210,7 +217,7 @@ def show_live(view, interval):
             time.sleep(interval)
 
 
-def arguments():
+def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("topic", nargs="*", help=f"topics of type {TYPE}; default: all on this master")
     parser.add_argument("--once", action="store_true", help="print the state and end")
@@ -219,7 +226,7 @@ def arguments():
     return parser.parse_args(rospy.myargv(sys.argv)[1:])
 
 
-def main():
+def main() -> None:
     options = arguments()
     known = published_topics()
     topics = [rosgraph.names.resolve_name(topic, "/adhoc_top") for topic in options.topic] or known
