@@ -54,7 +54,7 @@ def test_what_cannot_run_is_a_row(monkeypatch):
 def test_rows_of_the_world_alone_have_the_form_of_the_others(tmp_path):
     """So that they can be published with them."""
     out, table = tmp_path / "rows.json", tmp_path / "speed.csv"
-    bench.write_rows(out, bench.world_rows(0.5, 1))
+    bench.write_rows(bench.world_rows(0.5, 1), out)
     assert publish_command.main(["bench", str(out), str(table)]) == 0
     assert [row["bar"] for row in publish_command.read_table(table)] == [">= 157", ">= 102", ">= 79", ">= 54"]
 

@@ -44,6 +44,6 @@ def test_rows(monkeypatch, tmp_path, capsys):
 
 def test_bar_that_is_missed(capsys):
     assert not bench_decisions.row("decision", 60.0, [10.0, 90.0], 90.0)["holds"]
-    assert capsys.readouterr().out.startswith("MISS decision: 90.0 ms")
+    assert capsys.readouterr().out.startswith("MISS decision: 90 ms")
     with pytest.raises(SystemExit):
         bench_decisions.main(["--maps", "0"])

@@ -1,7 +1,6 @@
 """Arguments of the command line, and what a person sees when something is wrong with them."""
 
 import argparse
-import math
 import sys
 from typing import List, Optional
 
@@ -10,6 +9,7 @@ import cv2
 from explorer.command_line import decide, frontiers
 from explorer.errors import ExplorerError
 from explorer.options import Options
+from mr_grid.option_types import finite, picture, positive
 
 USAGE = 2
 """Exit code for arguments and files that cannot be used."""
@@ -47,19 +47,19 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument(
         "--at",
         nargs=2,
-        type=_finite,
+        type=finite,
         metavar=("X", "Y"),
         help="the robot's place in m; without it the robot is in the largest space",
     )
-    one.add_argument("--radius", type=_positive, default=Options.inflation_radius, help=_told("m, inflation_radius"))
+    one.add_argument("--radius", type=positive, default=Options.inflation_radius, help=_told("m, inflation_radius"))
     one.add_argument(
         "--shortest",
-        type=_finite,
+        type=finite,
         default=Options.minimal_frontier_length,
         metavar="LENGTH",
         help=_told("m, minimal_frontier_length"),
     )
-    one.add_argument("--view-distance", type=_positive, default=Options.view_distance, help=_told("m, view_distance"))
+    one.add_argument("--view-distance", type=positive, default=Options.view_distance, help=_told("m, view_distance"))
     _add_outputs(one)
     one.set_defaults(run=frontiers.run)
     two = commands.add_parser("decide", help="replay a recorded decision", description=decide.__doc__)
@@ -72,31 +72,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_outputs(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", action="store_true", help="print the answer as JSON")
-    command.add_argument("--plot", type=_picture, metavar="OUT.png", help="draw it (needs matplotlib)")
+    command.add_argument("--plot", type=picture, metavar="OUT.png", help="draw it (needs matplotlib)")
 
 
 def _told(what: str) -> str:
     return f"{what} (default %(default)s)"
-
-
-def _finite(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"a finite number is needed, not {text!r}")
-    return number
-
-
-def _positive(text: str) -> float:
-    number = _finite(text)
-    if number <= 0.0:
-        raise argparse.ArgumentTypeError(f"a number above 0 is needed, not {text!r}")
-    return number
-
-
-def _picture(text: str) -> str:
-    if not text.endswith((".png", ".pdf", ".svg")):
-        raise argparse.ArgumentTypeError(f"a name that ends in .png, .pdf or .svg is needed, not {text!r}")
-    return text

@@ -1,13 +1,13 @@
 """Arguments of the command line, and what a person sees when something is wrong with them."""
 
 import argparse
-import math
 import sys
 from typing import List, Optional
 
 import cv2
 
 from mr_grid.map_files import MapFileError
+from mr_grid.option_types import finite, picture
 
 from . import bench, merge, register
 
@@ -44,13 +44,13 @@ def _parser() -> argparse.ArgumentParser:
     known.add_argument(
         "--prior",
         nargs=3,
-        type=_finite,
+        type=finite,
         metavar=("X", "Y", "YAW"),
         help="rough transform of B into A's frame in m and rad; looked for within 3 m and 30 deg",
     )
     known.add_argument("--sure", action="store_true", help="accept only what a copy of a room hardly ever fakes")
     pair.add_argument("--json", action="store_true", help="print the answer as JSON")
-    pair.add_argument("--plot", type=_picture, metavar="OUT.png", help="draw B over A (needs matplotlib)")
+    pair.add_argument("--plot", type=picture, metavar="OUT.png", help="draw B over A (needs matplotlib)")
     pair.set_defaults(run=register.run)
     several = commands.add_parser("merge", help="one map out of several", description=merge.__doc__)
     several.add_argument("maps", nargs="+", metavar="MAP.yaml", help="map_server files; the first one gives the frame")
@@ -64,23 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _finite(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"a finite number is needed, not {text!r}")
-    return number
-
-
 def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"a number of at least 1 is needed, not {text!r}")
     return int(text)
-
-
-def _picture(text: str) -> str:
-    if not text.endswith((".png", ".pdf", ".svg")):
-        raise argparse.ArgumentTypeError(f"a name that ends in .png, .pdf or .svg is needed, not {text!r}")
-    return text

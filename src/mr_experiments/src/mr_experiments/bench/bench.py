@@ -15,6 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Callable, Iterator, Sequence
 
+from mr_experiments.bench.rows import Row, exit_code, printed, row_of, write_rows
 from mr_experiments.sweep.dask_cluster import DaskCluster
 from mr_experiments.sweep.record import run_trial
 from mr_experiments.trial.trial import Trial, TrialError
@@ -29,13 +30,10 @@ SWEEP_BAR = 1.8  # times as fast with two workers as with one
 SWEEP_WORLD, SWEEP_ROBOTS, SWEEP_TRIALS, SWEEP_LIMIT = "small8x8", 2, 24, 60.0
 START_PATIENCE = 30.0  # s until a Dask cluster is up
 
-Row = dict  # what, bar, value, unit, holds, detail
-
 
 def row(what: str, bar: float, value: float | None, unit: str, holds: bool, detail: str) -> Row:
     """Prints and returns a row."""
-    print(f"{'ok  ' if holds else 'MISS'} {what}: {value} {unit} (bar >= {bar:g}) {detail}", flush=True)
-    return {"what": what, "bar": f">= {bar:g}", "value": value, "unit": unit, "holds": holds, "detail": detail}
+    return printed(row_of(what, f">= {bar:g}", value, unit, holds, detail))
 
 
 def shares(cpu: float, by_component: dict[str, float]) -> str:
@@ -146,11 +144,6 @@ def sweep_rows(runs: int, trials: int = SWEEP_TRIALS, limit: float = SWEEP_LIMIT
     return [row(what, SWEEP_BAR, value, "x", value >= SWEEP_BAR, detail)]
 
 
-def write_rows(path: Path, rows: Sequence[Row]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-
-
 PARTS: dict[str, Callable[[int], list[Row]]] = {
     "full": lambda runs: mission_rows(False, runs),
     "fast": lambda runs: mission_rows(True, runs),
@@ -170,5 +163,5 @@ def main(argv: Sequence[str]) -> int:
         parser.error(f"--runs {arguments.runs} must be at least 1")
     rows = [made for part in arguments.only for made in PARTS[part](arguments.runs)]
     if arguments.out:
-        write_rows(arguments.out, rows)
-    return 0 if all(entry["holds"] for entry in rows) else 1
+        write_rows(rows, arguments.out)
+    return exit_code(rows)

@@ -9,9 +9,10 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from mr_experiments.bench.bench_merging import Row, row
+from mr_experiments.bench.bench_merging import row
 from mr_experiments.bench.explore_missions import LIMIT, world_name
 from mr_experiments.bench.mishaps import contacts, far_from_home, revoked_though_right
+from mr_experiments.bench.rows import Row
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
 from mr_measures.record.mission_record import BIAS, MissionRecord

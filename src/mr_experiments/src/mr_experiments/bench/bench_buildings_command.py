@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from pathlib import Path
 from typing import Sequence
 
 from rich.console import Console
 
 from mr_experiments.bench.bench_buildings import KINDS, Group, table, trials_of
-from mr_experiments.bench.bench_merging import text_of
+from mr_experiments.bench.mission_benchmark import (
+    EXIT_CODES,
+    add_seed_and_jobs,
+    check_least,
+    conclude,
+    run_benchmark,
+    tell,
+)
 from mr_experiments.bench.mission_set import records_of_all
-from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
-from mr_experiments.sweep.sweep import default_jobs
-from mr_experiments.trial.trial import TrialError
+from mr_experiments.common.command_line import Parser
 from mr_measures.record.mission_record import BIAS, MissionRecord
 from mr_sim.world import ODOMETRY_MODELS
 
@@ -26,7 +29,7 @@ def make_parser() -> argparse.ArgumentParser:
         description="Whether teams come to their end and home, touch nothing and draw right walls in narrow, wide, "
         "huge and generated buildings, with Turtlebots and in mixed teams, from anywhere, up to sixteen robots; in "
         "virtual time. A run that was stopped goes on where it was; missions of other code are run again.",
-        epilog="Exit code: 0 every bar holds, 1 some do not, 2 bad call, 130 interrupted.",
+        epilog=EXIT_CODES,
     )
     add = parser.add_argument
     add("--out", type=Path, default=Path("out/bench/buildings.json"), metavar="FILE", help="for the rows (default: "
@@ -38,41 +41,22 @@ def make_parser() -> argparse.ArgumentParser:
         "hour and more each (default: %(default)s)")  # fmt: skip
     add("--odometry", nargs="+", choices=ODOMETRY_MODELS, default=[BIAS], help="how it errs: missions with each, and "
         f"rows named so (default: {BIAS})")  # fmt: skip
-    add("--first-seed", type=int, default=9301, metavar="S", help="(default: %(default)s)")
-    add("--jobs", type=int, default=default_jobs(), metavar="N", help="missions at a time (default: the cores, "
-        "%(default)s)")  # fmt: skip
+    add_seed_and_jobs(parser, 9301)
     return parser
 
 
 def main(arguments: Sequence[str]) -> int:
-    try:
-        options = make_parser().parse_args(arguments)
-        _check(options)
-        return _run(options)
-    except (CallError, TrialError, OSError) as error:
-        print(f"bench_buildings: {error}", file=sys.stderr)
-        return BAD_CALL
-    except KeyboardInterrupt:
-        print("bench_buildings: interrupted; the same command goes on from here", file=sys.stderr)
-        return INTERRUPTED
+    return run_benchmark(make_parser(), _run, arguments)
 
 
-def _check(options: argparse.Namespace) -> None:
-    for name, least in (("trials", 1), ("huge_trials", 1), ("first_seed", 0), ("jobs", 1)):
-        if getattr(options, name) < least:
-            raise CallError(f"--{name.replace('_', '-')} {getattr(options, name)} must be at least {least}")
-
-
-def _run(options: argparse.Namespace) -> int:
-    console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
+def _run(options: argparse.Namespace, console: Console) -> int:
+    check_least(options, trials=1, huge_trials=1, first_seed=0, jobs=1)
     groups: dict[Group, list[MissionRecord]] = {}
     for odometry in options.odometry:
         groups |= _missions(options, odometry, console)
     rows = table(groups)
-    for entry in rows:
-        console.print(text_of(entry), highlight=False, markup=False)
-    options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-    return 0 if all(entry["holds"] for entry in rows) else 1
+    tell(rows, console)
+    return conclude(rows, options.out)
 
 
 def _missions(options: argparse.Namespace, odometry: str, console: Console) -> dict[Group, list[MissionRecord]]:

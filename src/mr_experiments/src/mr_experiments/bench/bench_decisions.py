@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import gc
-import json
 import statistics
 import time
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ from explorer.foreign import Key
 from explorer.geometry import distance
 from explorer.messages import Auction, Bid, SendAuction, SendFrontiers, SetGoal
 from explorer.options import Options
+from mr_experiments.bench.rows import Row, exit_code, printed, row_of, write_rows
 from mr_experiments.bench.scripted_team import ScriptedTeam
 
 KIND, SEED, SIZE, ROBOTS = "office", 7, (100.0, 100.0), 8
@@ -25,8 +25,6 @@ MEDIAN_BAR, WORST_BAR = 60.0, 200.0  # ms
 MAP_PERIOD, TICK, SPEED = 2.0, 0.2, 0.5  # s, s, m/s
 SHARES = (0.15, 0.4, 0.65)  # of the cells known when a stage begins
 IDENTITY = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-
-Row = dict  # what, bar, value, unit, holds, detail
 
 
 class Bench:
@@ -110,8 +108,7 @@ def row(what: str, bar: float, times: Sequence[float], value: float, detail: str
     """Prints and returns a row."""
     holds, value = value <= bar, round(value, 1)
     detail += f"{len(times)} steps, median {statistics.median(times):.1f}, worst {max(times):.1f} ms"
-    print(f"{'ok  ' if holds else 'MISS'} {what}: {value} ms (bar <= {bar:g}) {detail}", flush=True)
-    return {"what": what, "bar": f"<= {bar:g}", "value": value, "unit": "ms", "holds": holds, "detail": detail}
+    return printed(row_of(what, f"<= {bar:g}", value, "ms", holds, detail))
 
 
 def rows(maps: int, strategy: int) -> list[Row]:
@@ -147,6 +144,5 @@ def main(argv: Sequence[str]) -> int:
         parser.error(f"--maps {arguments.maps} must be at least 1")
     made = rows(arguments.maps, arguments.strategy)
     if arguments.out:
-        arguments.out.parent.mkdir(parents=True, exist_ok=True)
-        arguments.out.write_text(json.dumps(made, indent=2) + "\n", encoding="utf-8")
-    return 0 if all(entry["holds"] for entry in made) else 1
+        write_rows(made, arguments.out)
+    return exit_code(made)

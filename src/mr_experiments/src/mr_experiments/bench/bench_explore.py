@@ -7,8 +7,9 @@ from typing import Callable, Mapping, Sequence
 
 import numpy as np
 
-from mr_experiments.bench.bench_merging import Row, row
+from mr_experiments.bench.bench_merging import row
 from mr_experiments.bench.explore_missions import OFFICE, Bounds, MissionRow
+from mr_experiments.bench.rows import Row
 
 BEST, NEAREST = 7, 0  # strategies
 MOST = 4  # robots of the teams that the bars are for

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
-import sys
 import time
 from pathlib import Path
 from typing import Callable, Sequence
@@ -13,7 +11,6 @@ from typing import Callable, Sequence
 from rich.console import Console
 
 from mr_experiments.bench.bench_explore import BEST, MOST, NEAREST, table, text_table
-from mr_experiments.bench.bench_merging import text_of
 from mr_experiments.bench.explore_missions import (
     LIMIT,
     Bounds,
@@ -29,12 +26,20 @@ from mr_experiments.bench.explore_missions import (
     trials_of,
     world_name,
 )
+from mr_experiments.bench.mission_benchmark import (
+    EXIT_CODES,
+    add_seed_and_jobs,
+    check_least,
+    conclude,
+    run_benchmark,
+    tell,
+)
 from mr_experiments.common.code_version import code_version
-from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
+from mr_experiments.common.command_line import Parser
 from mr_experiments.sweep.following import follow, line_of
-from mr_experiments.sweep.sweep import Done, LocalPool, default_jobs
+from mr_experiments.sweep.sweep import Done, LocalPool
 from mr_experiments.sweep.trial_process import record_path
-from mr_experiments.trial.trial import Trial, TrialError
+from mr_experiments.trial.trial import Trial
 from mr_measures.record.files import read_record
 
 
@@ -44,13 +49,12 @@ def make_parser() -> argparse.ArgumentParser:
         description="Exploration of generated worlds that no constant was tuned on, in virtual time: what more robots "
         "bring, against what no team could beat and against the nearest frontier. A run that was stopped goes on where "
         "it was; missions of other code are run again.",
-        epilog="Exit code: 0 every bar holds, 1 some do not, 2 bad call, 130 interrupted.",
+        epilog=EXIT_CODES,
     )
     add = parser.add_argument
     add("--out", type=Path, default=Path("out/bench/explore.json"), metavar="FILE", help="for the table (default: "
         "%(default)s); beside it lie a row for each mission (.jsonl), bounds and records")  # fmt: skip
     add("--worlds", type=int, default=30, metavar="N", help="worlds, one seed each (default: %(default)s)")
-    add("--first-seed", type=int, default=5001, metavar="S", help="(default: %(default)s)")
     add("--robots", type=int, nargs="+", default=[1, 2, MOST], metavar="R", help="team sizes (default: 1 2 4)")
     add("--strategies", type=int, nargs="+", default=[BEST, NEAREST], metavar="N", help="(default: 7 0)")
     add("--limit", type=float, default=LIMIT, metavar="S", help="s of virtual time (default: %(default)g)")
@@ -58,32 +62,16 @@ def make_parser() -> argparse.ArgumentParser:
         "with some missions of the office (default: %(default)s)")  # fmt: skip
     add("--no-bounds", action="store_true", help="without what no team could beat, which takes half a minute a world")
     add("--only-table", action="store_true", help="run nothing; the table of the missions that are there")
-    add("--jobs", type=int, default=default_jobs(), metavar="N", help="missions at a time (default: the cores, "
-        "%(default)s)")  # fmt: skip
+    add_seed_and_jobs(parser, 5001)
     return parser
 
 
 def main(arguments: Sequence[str]) -> int:
-    try:
-        options = make_parser().parse_args(arguments)
-        _check(options)
-        return _run(options)
-    except (CallError, TrialError, OSError) as error:
-        print(f"bench_explore: {error}", file=sys.stderr)
-        return BAD_CALL
-    except KeyboardInterrupt:
-        print("bench_explore: interrupted; the same command goes on from here", file=sys.stderr)
-        return INTERRUPTED
+    return run_benchmark(make_parser(), _run, arguments)
 
 
-def _check(options: argparse.Namespace) -> None:
-    for name, least in (("worlds", 1), ("fast_worlds", 0), ("first_seed", 0), ("jobs", 1)):
-        if getattr(options, name) < least:
-            raise CallError(f"--{name.replace('_', '-')} {getattr(options, name)} must be at least {least}")
-
-
-def _run(options: argparse.Namespace) -> int:
-    console = Console(soft_wrap=True, emoji=False, width=None if sys.stdout.isatty() else 120)
+def _run(options: argparse.Namespace, console: Console) -> int:
+    check_least(options, worlds=1, fast_worlds=0, first_seed=0, jobs=1)
     seeds = range(options.first_seed, options.first_seed + options.worlds)
     trials = trials_of(seeds, options.robots, options.strategies, options.limit)
     trials += fast_trials_of(seeds[: options.fast_worlds], options.robots, BEST, options.limit)
@@ -95,10 +83,8 @@ def _run(options: argparse.Namespace) -> int:
     for line in text_table(rows, bounds):
         console.print(line, highlight=False, markup=False)
     entries = table(rows, bounds)
-    for entry in entries:
-        console.print(text_of(entry), highlight=False, markup=False)
-    options.out.write_text(json.dumps(entries, indent=2) + "\n", encoding="utf-8")
-    return 0 if entries and all(entry["holds"] for entry in entries) else 1
+    tell(entries, console)
+    return conclude(entries, options.out)
 
 
 def _missions(trials: Sequence[Trial], options: argparse.Namespace, console: Console) -> list[MissionRow]:

@@ -11,13 +11,12 @@ from typing import Callable, Mapping, Sequence
 from scipy import stats
 
 from mr_experiments.bench.merge_times import all_settled_at, classes_of_pairs, known_at, quantile
+from mr_experiments.bench.rows import Row, row_of
 from mr_experiments.sweep.trial_process import record_path
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
 from mr_measures.record.files import read_record
 from mr_measures.record.mission_record import MissionRecord
-
-Row = dict  # what, bar, value, unit, holds, detail
 
 MEDIAN_BAR, HIGH_BAR = 10.0, 20.0  # s after the start until all transforms are right, and at the 0.95 quantile
 TURTLEBOT_BAR = 40.0  # s, the median of robots that see 57 degrees
@@ -45,15 +44,7 @@ class Part:
 
 
 def row(what: str, bar: str, value: float, unit: str, holds: bool, detail: str) -> Row:
-    """An infinite value becomes None: never."""
-    told = None if math.isinf(value) else round(value, 3)
-    return {"what": what, "bar": bar, "value": told, "unit": unit, "holds": holds, "detail": detail}
-
-
-def text_of(entry: Row) -> str:
-    """A row as a line for people."""
-    value = "never" if entry["value"] is None else f"{entry['value']:g} {entry['unit']}"
-    return f"{'ok  ' if entry['holds'] else 'MISS'} {entry['what']}: {value} (bar {entry['bar']}) {entry['detail']}"
+    return row_of(what, bar, round(value, 3), unit, holds, detail)
 
 
 def records_of(trials: Sequence[Trial], folder: Path) -> dict[int, list[MissionRecord]]:

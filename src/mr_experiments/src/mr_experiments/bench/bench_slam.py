@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -15,13 +14,13 @@ import numpy as np
 
 from mr_experiments.bench.real_logs import PathErrors, judge, scan_logs
 from mr_experiments.bench.real_logs import measures_of as measures_of_path
+from mr_experiments.bench.rows import Row, exit_code, printed, row_of, write_rows
 from mr_experiments.bench.slam_comparison import (
     OURS,
     Engines,
     Setting,
     comparison_rows,
     measures_of,
-    printed,
     table,
 )
 from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, MOST_MEMORY, Kind, drives, slam_of, truth_of
@@ -41,7 +40,6 @@ NO_RESULT = Evaluation(math.inf, math.inf, math.inf, np.empty(0), math.inf, math
 NO_PATH = PathErrors(math.inf, math.inf, math.inf, (math.inf, math.inf))
 
 Make = Callable[[ScanLog], Engine]
-Row = dict[str, Any]  # what, bar, value, unit, holds, detail
 
 
 @dataclass(frozen=True)
@@ -90,9 +88,7 @@ def rows_of(name: str, bars: tuple[float, float], odometry: str, results: Sequen
 
 
 def _row(what: str, bar: float, value: float, unit: str, detail: str) -> Row:
-    holds = value <= bar
-    print(f"{'ok  ' if holds else 'MISS'} {what}: {value:.2f} {unit} (bar <= {bar:g}) {detail}", flush=True)
-    return {"what": what, "bar": f"<= {bar:g}", "value": value, "unit": unit, "holds": holds, "detail": detail}
+    return printed(row_of(what, f"<= {bar:g}", value, unit, value <= bar, detail))
 
 
 def loop_row(name: str, results: Sequence[Evaluation]) -> Row:
@@ -270,12 +266,11 @@ def main(arguments: Sequence[str]) -> int:
         if given.missions is not None and given.missions < 1:
             raise CallError(f"--missions must be at least 1, not {given.missions}")
         rows = peer_rows(given) if given.peers else own_rows(given)
-        Path(given.out).parent.mkdir(parents=True, exist_ok=True)
-        Path(given.out).write_text(json.dumps(rows, indent=1) + "\n")
+        write_rows(rows, Path(given.out))
     except (CallError, TrialError, SlamError, OSError) as error:
         print(f"bench_slam: {error}", file=sys.stderr)
         return BAD_CALL
     except KeyboardInterrupt:
         print("bench_slam: interrupted", file=sys.stderr)
         return INTERRUPTED
-    return 0 if all(row["holds"] for row in rows) else 1
+    return exit_code(rows)

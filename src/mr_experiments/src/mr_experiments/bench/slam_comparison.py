@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from mr_experiments.bench.rows import Row
 from mr_sim.slam_evaluation import Evaluation
 
 OURS = "ours"
-
-Row = dict[str, Any]  # what, bar, value, unit, holds, detail
 
 
 @dataclass(frozen=True)
@@ -76,10 +74,3 @@ def table(settings: Mapping[Setting, Engines]) -> str:
         lines += [[kind, odometry, name, *(f"{m.value:.3g}" for m in figures)] for name, figures in engines.items()]
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
     return "\n".join("  ".join(text.ljust(width) for text, width in zip(line, widths)).rstrip() for line in lines)
-
-
-def printed(row: Row) -> Row:
-    """The row, as one line on the terminal."""
-    print(f"{'ok  ' if row['holds'] else 'MISS'} {row['what']}: {row['value']:.3g} {row['unit']} (bar {row['bar']}) "
-          f"{row['detail']}", flush=True)  # fmt: skip
-    return row
