@@ -248,8 +248,16 @@ def test_equal_robots_of_a_world_share_a_preset():
     assert set(presets) == {"robot_0", "robot_1"} and "diameter: 0.354" in presets["robot_1"]
 
 
-def test_a_robot_that_cannot_explore_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("sensors", "why"),
+    [
+        ("", "no laser: add a ranger to its position model"),
+        # Its missions began, and died with SLAM's first scan.
+        ("ranger ( sensor ( samples 1 ) sensor ( samples 1 ) )", "less than 3 beams, as sonars: add a laser"),
+    ],
+)
+def test_a_robot_that_cannot_explore_is_refused(tmp_path, sensors, why):
     world = tmp_path / "blind.world"
-    world.write_text('position ( name "blind" pose [ 0 0 0 0 ] )\n')
-    with pytest.raises(UserError, match=r"blind: no laser: add a ranger to its position model"):
+    world.write_text(f'position ( name "blind" pose [ 0 0 0 0 ] {sensors} )\n')
+    with pytest.raises(UserError, match=f"blind: .*{why}"):
         presets_of(str(world), ["blind"])

@@ -24,12 +24,19 @@ def read_image(path: str | Path) -> np.ndarray | None:
         return None
 
 
+def why_no_image(path: str | Path) -> str:
+    """Why `read_image` gave None, as the end of a sentence."""
+    if not os.path.isfile(path):
+        return "is no file"
+    return "is no image that can be read (pgm, png, jpg, bmp), or too large a one"
+
+
 def load_bitmap(path: str | Path) -> np.ndarray:
     """Occupied pixels, bool (rows, columns), row 0 at the bottom, cropped to their bounding box as Stage does. Raises
     WorldFileError."""
     image = read_image(path)
     if image is None:
-        raise WorldFileError(str(path), "is no image that can be read, or too large a one")
+        raise WorldFileError(str(path), why_no_image(path))
     occupied = np.flipud(image[..., RED] < OCCUPIED_BELOW)
     rows, columns = np.flatnonzero(occupied.any(axis=1)), np.flatnonzero(occupied.any(axis=0))
     if rows.size == 0:

@@ -13,7 +13,7 @@ import yaml  # type: ignore[import-untyped]
 
 from mr_grid import Pose
 from mr_plans.world_files import WorldFiles
-from mr_sim.bitmap import read_image
+from mr_sim.bitmap import read_image, why_no_image
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -85,8 +85,11 @@ _ROBOT = 'pioneer ( name "robot_{}" pose [ {:.9g} {:.9g} 0 {:.9g} ] )'
 def _load(path: Path) -> _Map:
     try:
         values = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except yaml.MarkedYAMLError as error:
+        where = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
+        raise MapError(f"{path}{where}: is no YAML: {error.problem}") from None
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise MapError(f"{path}: {' '.join(str(error).split())}") from None
+        raise MapError(f"{path}: is no YAML: {' '.join(str(error).split())}") from None
     if not isinstance(values, dict) or not {"image", "resolution", "origin"} <= values.keys():
         raise MapError(f"{path}: a map of map_server has the keys image, resolution and origin")
     if values.get("mode", "trinary") not in ("trinary", "scale"):
@@ -95,11 +98,10 @@ def _load(path: Path) -> _Map:
     if resolution <= 0.0:
         raise MapError(f'{path}: "resolution" must be positive, not {resolution:g}')
     free_below = _number(path, {"free_thresh": 0.196, **values}, "free_thresh")
-    image = read_image(path.parent / str(values["image"]))
+    picture = path.parent / str(values["image"])
+    image = read_image(picture)
     if image is None:
-        raise MapError(
-            f'{path}: "image" is no picture that can be read, or too large a one: {path.parent / str(values["image"])}'
-        )
+        raise MapError(f'{path}: "image", {picture}, {why_no_image(picture)}')
     brightness = image.mean(axis=2)
     darkness = (brightness if _negated(path, values.get("negate", 0)) else 255.0 - brightness) / 255.0
     free = np.flipud(darkness < free_below)

@@ -5,12 +5,16 @@ import math
 from mr_robot.platforms.platform import Drive, Footprint, Mount, Platform, PlatformError, RangeSensor, Topics
 from mr_sim.world_description import RangerDescription, RobotDescription
 
+FEWEST_BEAMS = 3  # of a scan that SLAM and navigation can use
+
 
 def platform_of(robot: RobotDescription) -> Platform:
     """Lengths to 0.1 mm; angles rounded down to 0.01 rad, so that nobody counts on more than there is. Of several
     rangers the main one counts. Raises PlatformError for a robot that cannot explore."""
     if not robot.rangers:
         raise PlatformError("no laser: add a ranger to its position model")
+    if robot.rangers[robot.main_ranger].samples < FEWEST_BEAMS:
+        raise PlatformError(f"its rangers have less than {FEWEST_BEAMS} beams, as sonars: add a laser to its model")
     linear, angular = robot.linear_bounds[1], min(-robot.angular_bounds[0], robot.angular_bounds[1])
     if linear <= 0.0 or angular <= 0.0:
         raise PlatformError("it cannot drive ahead and turn both ways: see velocity_bounds of its model")

@@ -68,8 +68,9 @@ class World:
         count = len(description.robots) if robots is None else robots
         if count < 1 or count > len(description.robots):
             there = len(description.robots)
+            asked = "" if robots is None else f"; asked for {count}"
             raise WorldError(
-                f"{description.path} defines {there} robot{'s' * (there != 1)}; asked for {count}: "
+                f"{description.path} defines {there} robot{'s' * (there != 1)}{asked}: "
                 "ask for others with --robots, give start poses or add position models to the world"
             )
         self.description = description

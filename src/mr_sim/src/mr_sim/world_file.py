@@ -132,7 +132,7 @@ def _decoded(octets: bytes) -> str:
     if b"\0" in octets:
         raise OSError(0, "it is no text")
     try:
-        return octets.decode("utf-8").replace("\r\n", "\n")
+        return octets.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
         return octets.decode("latin-1").replace("\r\n", "\n")
 

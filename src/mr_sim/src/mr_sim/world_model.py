@@ -28,6 +28,7 @@ from mr_sim.world_words import (
     POSITION_WORDS,
     RANGER_WORDS,
     WORLD_WORDS,
+    words_of,
 )
 
 DRIVES = ("diff", "omni")
@@ -69,7 +70,7 @@ class _Builder:
             known = words | (GRIPPER_WORDS if block.kind == "gripper" else frozenset())
             # What else such a model says is passed over with it.
             for word, entry in block.properties.items():
-                refuse_misspelling(word, entry, block, known)
+                refuse_misspelling(word, entry, block, known | words_of(block.kind))
             properties = {word: entry for word, entry in block.properties.items() if word in known}
             block = Block(block.kind, block.word, block.place, properties, block.children)
             return Reader(block, known, self._context)
@@ -117,7 +118,7 @@ class _Builder:
         if min(error) < 0.0:
             raise reader.fail("odom_error", "must not be negative")
         rangers = self._rangers(block)
-        if not rangers and any(child.kind == "camera" for child in block.children):
+        if not rangers and _carries(block, "camera"):
             raise WorldFileError(
                 block.place,
                 f'a camera is the only sensor of "{name or unnamed}", and it is not simulated: add a ranger',
@@ -206,6 +207,11 @@ def load_world(path: str | Path) -> WorldDescription:
         robots=_named(builder.robots),
         warning=passed_over.text(),
     )
+
+
+def _carries(block: Block, kind: str) -> bool:
+    """Whether a model has one of that kind, or one of its parts does."""
+    return any(child.kind == kind or _carries(child, kind) for child in block.children)
 
 
 def _check_extent(file: WorldFile, obstacles: Sequence[Obstacle]) -> None:

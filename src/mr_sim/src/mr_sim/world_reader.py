@@ -153,7 +153,8 @@ class Reader:
 def refuse_misspelling(word: str, entry: Property, block: Block, words: Iterable[str]) -> None:
     """Raises WorldFileError for a word that nobody knows and that looks like one of `words`."""
     stem = stem_of(word)
-    meant = "" if stem in KNOWN_WORDS else nearest(stem, words)
+    statements = ("define", "include") if block.kind == "world" else ()
+    meant = "" if stem in KNOWN_WORDS else nearest(stem, {*words, *statements})
     if meant:
         raise WorldFileError(entry.place, f'unknown word "{stem}" in "{block.word}", did you mean "{meant}"?')
 

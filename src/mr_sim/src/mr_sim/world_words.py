@@ -55,9 +55,10 @@ PASSED_OVER_WORDS = {
 
 OLDER_WORDS = frozenset(
     {
-        "background", "block", "blocks", "event_queues", "gravity_return", "gui_disable", "gui_interval",
+        "background", "block", "blocks", "channel_count", "channels", "db_count", "enable_velocity", "event_queues",
+        "gravity_return", "gui_disable", "gui_interval",
         "gui_movemask", "interval_real", "laser_sample_skip", "line", "lines", "odom", "origin3", "pose3", "ppm",
-        "size3", "spose3", "sraycount", "ssize", "view", "wheel",
+        "size3", "spose3", "sraycount", "ssize", "velocity_enable", "view", "wheel",
     }
 )  # fmt: skip
 """Of Stage before 4.3 or of its documentation: Stage 4.3 does not read them either."""
@@ -86,6 +87,7 @@ MODEL_KINDS = PASSED_OVER_MODELS | {"model", "position", "ranger", "laser"}
 BLOCK_KINDS = MODEL_KINDS | {"world", "sensor", "block", "window"}
 
 _LIKENESS = 0.8  # of a misspelling and its word, as difflib counts
+_SHORT = 4  # letters of words of which one wrong letter is more than _LIKENESS allows
 
 
 def stem_of(word: str) -> str:
@@ -109,4 +111,16 @@ KNOWN_WORDS = OLDER_WORDS.union(*(words_of(kind) for kind in BLOCK_KINDS))
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """The known word most like this one, or empty if none is."""
-    return next(iter(difflib.get_close_matches(word, sorted(known), 1, _LIKENESS)), "")
+    words = sorted(known)
+    alike = difflib.get_close_matches(word, words, 1, _LIKENESS)
+    return next(iter(alike), "") or next((each for each in words if _is_one_slip(word, each)), "")
+
+
+def _is_one_slip(word: str, meant: str) -> bool:
+    """Whether one letter is wrong, or two are swapped, in a short word."""
+    if len(word) != len(meant) or not 2 < len(meant) <= _SHORT:
+        return False
+    wrong = [at for at, (one, other) in enumerate(zip(word, meant, strict=True)) if one != other]
+    if len(wrong) == 2:
+        return wrong[1] == wrong[0] + 1 and word[wrong[0]] + word[wrong[1]] == meant[wrong[1]] + meant[wrong[0]]
+    return len(wrong) == 1

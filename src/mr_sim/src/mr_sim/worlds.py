@@ -90,8 +90,10 @@ def with_starts(description: WorldDescription, starts: Sequence[Pose]) -> WorldD
 
 def starts_of(numbers: Sequence[float]) -> tuple[Pose, ...]:
     """Start poses from x and y in m and the heading in degrees of each robot in turn. Raises StartsError."""
-    if len(numbers) % 3 or not all(map(math.isfinite, numbers)):
+    if len(numbers) % 3:
         raise StartsError(f"--starts takes X Y DEGREES for each robot, not {len(numbers)} numbers")
+    if not all(map(math.isfinite, numbers)):
+        raise StartsError("--starts takes finite numbers, X Y DEGREES for each robot")
     triples = zip(numbers[::3], numbers[1::3], numbers[2::3], strict=True)
     return tuple(Pose(x, y, math.radians(degrees)) for x, y, degrees in triples)
 

@@ -129,7 +129,8 @@ def test_map_gives_no_warning(write_map, tmp_path):
     ("values", "message"),
     [
         ({"image": None}, "has the keys image, resolution and origin"),
-        ({"image": "none.pgm"}, '"image" is no picture that can be read'),
+        ({"image": "none.pgm"}, "none.pgm, is no file"),
+        ({"image": "plan.yaml"}, "plan.yaml, is no image that can be read (pgm, png"),
         ({"resolution": 0}, '"resolution" must be positive, not 0'),
         ({"resolution": "fine"}, "\"resolution\" must be a number, not 'fine'"),
         ({"origin": "[1, 2]"}, '"origin" must be [x, y, yaw]'),
@@ -138,8 +139,8 @@ def test_map_gives_no_warning(write_map, tmp_path):
         ({"free_thresh": 0.0}, "nothing in the map is free"),
         ({"free_thresh": 10**400}, '"free_thresh" must be a number, not 1000'),
         ({"negate": "'0'"}, "\"negate\" must be 0 or 1, not '0'"),
-        ({"image": "a" * 300}, '"image" is no picture'),
-        ({"image": "[unclosed"}, "plan.yaml: "),
+        ({"image": "a" * 300}, "is no file"),
+        ({"image": "[unclosed"}, ": is no YAML: expected"),
     ],
 )
 def test_faults_are_told(write_map, tmp_path, values, message):
@@ -152,9 +153,16 @@ def test_faults_are_told(write_map, tmp_path, values, message):
         map_world_files(path)
 
 
-@pytest.mark.parametrize("numbers", [[1.0], [1.0, 2.0, 3.0, 4.0], [1.0, 2.0, math.nan]])
-def test_starts_that_are_none(numbers):
-    with pytest.raises(StartsError, match="--starts takes X Y DEGREES for each robot"):
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ([1.0], "--starts takes X Y DEGREES for each robot, not 1 numbers"),
+        ([1.0, 2.0, 3.0, 4.0], "for each robot, not 4 numbers"),
+        ([1.0, 2.0, math.nan], "--starts takes finite numbers"),
+    ],
+)
+def test_starts_that_are_none(numbers, message):
+    with pytest.raises(StartsError, match=message):
         starts_of(numbers)
 
 

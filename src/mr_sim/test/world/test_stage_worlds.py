@@ -299,8 +299,10 @@ def test_what_cannot_be_is_one_clear_error(load):
         load('position ( drive "car" )')
     with pytest.raises(WorldFileError, match=r'test\.world:1: a camera is the only sensor of "robot_0"'):
         load("position ( camera ( ) )")
-    with pytest.raises(WorldError, match="defines 0 robots"):
+    with pytest.raises(WorldError, match="defines 0 robots; asked for 1: "):
         World(load("model ( )"), 1)
+    with pytest.raises(WorldError, match="defines 0 robots: "):
+        World(load("model ( )"))
 
 
 def test_the_world_process_tells_what_it_passes_over_once(write_world, capsys):

@@ -180,3 +180,9 @@ def test_any_text_is_parsed_or_refused_with_one_line(write_world, text):
         parse_world_file(write_world(text))
     except WorldFileError as error:
         assert "test.world" in str(error) and "\n" not in str(error)
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_word(tmp_path):
+    path = tmp_path / "marked.world"
+    path.write_bytes("\ufeffresolution 0.1\n".encode())
+    assert parse_world_file(path).root.properties.keys() == {"resolution"}
