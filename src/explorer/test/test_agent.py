@@ -593,6 +593,18 @@ def test_closes_as_soon_as_all_have_answered() -> None:
     assert bench.agent.counters.auctions_completed == 1
 
 
+def test_only_auction_messages_that_lead_to_something_ask_for_a_step_at_once() -> None:
+    """Each bid in each auction woke each robot of a team: sixteen decided two hundred times a second."""
+    bench, start = opened(peers=("robot_1", "robot_2"))
+    take = bench.agent.on_auction
+    assert not take(Auction("robot_2", 99, status=False, available=(Bid((("robot_1", 1),), 1.0),)), bench.now)
+    assert not take(reply(start, "robot_1", [1.0, 99.0]), bench.now)
+    assert take(reply(start, "robot_2", [99.0, 98.0]), bench.now)
+    assert not take(reply(start, "robot_2", [99.0, 98.0]), bench.now)
+    assert take(Auction("robot_1", 5, True, start=True), bench.now)
+    assert take(Auction("robot_1", 5, True, finished=True), bench.now)
+
+
 def test_deadline_and_robots_that_do_not_answer() -> None:
     bench, _ = opened()
     bench.run(0.8)

@@ -152,8 +152,9 @@ class ExplorerAgent:
             self.foreign.add(element)
         self.mission.hearing.take_choice(chosen, now)
 
-    def on_auction(self, auction: Auction, now: float) -> None:
-        self.mission.take_auction(auction, now)
+    def on_auction(self, auction: Auction, now: float) -> bool:
+        """True if the next `tick` should not wait for its time."""
+        return self.mission.take_auction(auction, now)
 
     def on_statement(self, statement: Statement, now: float) -> None:
         """What another robot has decided, and whether it has anything left."""
@@ -174,8 +175,8 @@ class ExplorerAgent:
     # ---- the step -------------------------------------------------------------------------------------------------
 
     def tick(self, now: float) -> List[Effect]:
-        """What there is to do now. Cheap when nothing has changed; call it some 5 times a second and after each
-        auction message."""
+        """What there is to do now. Cheap when nothing has changed; call it some 5 times a second, and at once after
+        auction messages that ask for it."""
         if now < self._ticked - CLOCK_TOLERANCE:
             self._outbox.append(Note(f"time went back by {self._ticked - now:.1f} s; the mission starts anew", True))
             self.mission = self._missions.anew(self.mission, now)

@@ -30,23 +30,25 @@ class Answering:
         self._senses, self._perception, self._foreign = senses, perception, foreign
         self._selection, self._scenes = selection, scenes
 
-    def take(self, auction: Auction, at_rest: bool, now: float) -> None:
-        """`at_rest`: this robot explores no more, or may not."""
+    def take(self, auction: Auction, at_rest: bool, now: float) -> bool:
+        """`at_rest`: this robot explores no more, or may not. True if the next step should not wait."""
         if auction.robot == self._name or self._team.peer(auction.robot) is None:
-            return
+            return False
         self._team.heard(auction.robot)
         if not auction.status:
-            self._auctions.take_bids(auction)
+            complete = self._auctions.take_bids(auction)
             # Without a transform nobody can tell what is on offer.
             known = self._foreign.has_transform(auction.robot)
             self._team.answered(auction.robot, bool(auction.available) or not known)
-        elif auction.start:
+            return complete
+        if auction.start:
             self._answer(auction, at_rest, now)
         elif auction.finished:
             bid = self._auctions.take_end(auction)
             self._team.claim(auction.robot, auction.occupied[:MAXIMUM_CLAIMED], now, bid)
             if self._perception.ways is not None and self._senses.pose is not None:
                 self._selection.settle(auction.robot, self._scenes.scene(now))
+        return True
 
     def _answer(self, auction: Auction, at_rest: bool, now: float) -> None:
         self._auctions.take_start(auction, now)

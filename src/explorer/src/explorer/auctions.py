@@ -41,9 +41,9 @@ class Auctions:
         self.told = dict(own_bids)
         self._emit(SendAuction(self._own.start_message(self.told)))
 
-    def take_bids(self, reply: Auction) -> None:
-        if self._own is not None:
-            self._own.add(reply)
+    def take_bids(self, reply: Auction) -> bool:
+        """True if the own auction has all its bids with these. What others bid in auctions of others is no news."""
+        return self._own is not None and self._own.add(reply) and not self._own.missing()
 
     def close_if_complete(self, now: float) -> Optional[OpenAuction]:
         """The own auction with all its bids, once it is over."""

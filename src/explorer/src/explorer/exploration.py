@@ -121,8 +121,9 @@ class Exploration:
         self._journal.start(now)
         return True
 
-    def take_auction(self, auction: Auction, now: float) -> None:
-        self._answering.take(auction, self.finished_at is not None or bool(self.orders.halt), now)
+    def take_auction(self, auction: Auction, now: float) -> bool:
+        """True if the next step should not wait."""
+        return self._answering.take(auction, self.finished_at is not None or bool(self.orders.halt), now)
 
     def take_result(self, goal_id: int, outcome: str, text: str, now: float) -> None:
         event = self.driver.take_result(goal_id, outcome, text, now)

@@ -151,8 +151,9 @@ class ExplorerNode:
     def _on_auction(self, message: ExpAuction) -> None:
         auction = self._wire.auction_from(message)
         with self._lock:
-            self._agent.on_auction(auction, rospy.get_time())
-        self._wake.set()
+            hurried = self._agent.on_auction(auction, rospy.get_time())
+        if hurried:
+            self._wake.set()
 
     def _on_verdicts(self, message: TeamVerdicts) -> None:
         statement = ros_verdicts.statement_from(message)

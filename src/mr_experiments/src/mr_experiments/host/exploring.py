@@ -168,8 +168,9 @@ class Explorer:
         with self._stopwatch.span("messages"):
             auction = self._wire.auction_from(_parsed(ExpAuction, octets))
         with self._stopwatch.span("exploration"):
-            self.agent.on_auction(auction, now)
-        self._agenda.at(now + SERVICE_TIME, lambda _: self.tick())
+            hurried = self.agent.on_auction(auction, now)
+        if hurried:
+            self._agenda.at(now + SERVICE_TIME, lambda _: self.tick())
         return True
 
     def tick(self) -> None:
