@@ -144,7 +144,7 @@ def test_any_size_of_team(robots):
 
 def test_script_is_valid(tmp_path, page):
     if shutil.which("node") is None:
-        pytest.skip("node is not installed")
+        pytest.skip("node is not installed: run tools/install_dependencies browser")
     script = tmp_path / "page.js"
     script.write_text(re.findall(r"<script>(.*?)</script>", page, re.DOTALL)[0])
     subprocess.run(["node", "--check", str(script)], check=True)

@@ -53,7 +53,7 @@ def test_what_cannot_be_is_named(web, text, part):
 def node(expression):
     """JSON of an expression in a module of JavaScript beside those of the page."""
     if shutil.which("node") is None:
-        pytest.skip("node is not installed")
+        pytest.skip("node is not installed: run tools/install_dependencies browser")
     done = subprocess.run(
         ["node", "--input-type=module", "-e", f"{expression}"], cwd=document.WEB, capture_output=True, text=True,
         check=False,
@@ -65,7 +65,7 @@ def node(expression):
 @pytest.mark.parametrize("main", ["status.js", "replay.js"])
 def test_scripts_are_valid(tmp_path, main):
     if shutil.which("node") is None:
-        pytest.skip("node is not installed")
+        pytest.skip("node is not installed: run tools/install_dependencies browser")
     path = tmp_path / "page.js"
     path.write_text(script(main))
     subprocess.run(["node", "--check", str(path)], check=True)

@@ -1,17 +1,16 @@
 """Navigation where it is hard, ours beside other libraries' planners and navigators on the same scenes."""
 
 import argparse
-import json
 import statistics
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
-from mr_sim.bench_navigation import CONTACT_BAR, STUCK_BAR, TIME_BAR
+from mr_sim.bench_navigation import CONTACT_BAR, STUCK_BAR, TIME_BAR, tell, write_rows
 from mr_sim.bench_world import Row
 from mr_sim.nuisance.mrpt_follower import driving_with_mrpt
 from mr_sim.nuisance.planners import OURS, ompl, planning_with
@@ -100,8 +99,7 @@ def main(argv: list[str] | None = None) -> int:
         for engine in arguments.engines:
             results[engine] = list(run_all(engine, seeds, arguments.jobs))
             for row in _rows_of(engine, results[engine]):
-                print(f"{'ok  ' if row.holds else 'MISS'} {row.what}: {row.value:g} {row.unit} (bar <= {row.bar:g}) "
-                      f"{row.detail}", flush=True)  # fmt: skip
+                tell(row)
     except SceneError as error:
         print(f"bench_navigation_peers: {error}", file=sys.stderr)
         return 1
@@ -111,8 +109,7 @@ def main(argv: list[str] | None = None) -> int:
         return 1
     table = rows(results)
     if arguments.out:
-        Path(arguments.out).parent.mkdir(parents=True, exist_ok=True)
-        Path(arguments.out).write_text(json.dumps([asdict(row) for row in table], indent=1) + "\n", encoding="utf-8")
+        write_rows(table, Path(arguments.out))
     return 0 if all(row.holds for row in table if row.what.endswith(f", {HYBRID}")) else 1
 
 
