@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[1]
 # Of tables, searches and numerics: whatever they are, the robot drives alike.
 BOUNDS = {
     "MOST_ROTATION", "FEEDBACK_PERIOD", "REMEMBERED_LIMIT", "KEPT", "kCell", "kHeadings", "kStep", "kMostNodes",
-    "kPerCost", "kTurns", "kFar", "kSmallest", "SQUARE", "SQUARES_KEPT",
+    "kPerCost", "kTurns", "SQUARE", "SQUARES_KEPT",
 }  # fmt: skip
 
 

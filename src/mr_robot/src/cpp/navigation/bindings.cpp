@@ -199,7 +199,7 @@ PYBIND11_MODULE(_navigation, module) {
       .def(py::init<float, float, float>(), py::arg("least"), py::arg("most"), py::arg("wall_cost"));
   module.def("inflate", &inflate_walls, py::arg("cells"), py::arg("resolution"), py::arg("inflation"),
              py::arg("unknown_blocks"),
-             "Metres to the nearest wall, 1000 where it makes no difference, and slowness, infinity = blocked; both "
+             "Metres to the nearest wall, infinity where it makes no difference, and slowness, infinity = blocked; both "
              "float32 (rows, columns).");
   module.def("slower_around", &slower_around, py::arg("slowness"), py::arg("obstacles"), py::arg("resolution"),
              py::arg("inflation"), "A copy, slower around obstacles at cells (row, column).");

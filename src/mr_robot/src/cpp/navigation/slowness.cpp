@@ -59,7 +59,7 @@ void inflate(const std::int8_t* cells, int rows, int columns, float resolution, 
     metres.push_back(std::sqrt(static_cast<float>(squared)) * resolution);
     costs.push_back(slowness_at(metres.back(), inflation));
   }
-  metres.push_back(kFar);
+  metres.push_back(std::numeric_limits<float>::infinity());
   costs.push_back(1.0F);
   const std::vector<float> squared = squared_distances(cells, rows, columns, reach);
   for (std::size_t i = 0; i < squared.size(); ++i) {

@@ -8,8 +8,6 @@
 
 namespace mr_robot::navigation {
 
-constexpr float kFar = 1e3F;  // m
-
 struct Inflation {
   float least;      // m to walls, less than which a cell is blocked
   float most;       // m from which a cell costs 1
@@ -19,7 +17,7 @@ struct Inflation {
 float slowness_at(float distance, const Inflation& inflation);
 
 // For each of rows * columns `cells` (above 50 = wall, below 0 = unknown): metres from its centre to that of the
-// nearest wall, kFar where that is farther than `inflation.most`, and its slowness. Unknown cells may block, too.
+// nearest wall, infinity where that is farther than `inflation.most`, and its slowness. Unknown cells may block, too.
 void inflate(const std::int8_t* cells, int rows, int columns, float resolution, const Inflation& inflation,
              bool unknown_blocks, float* distance, float* slowness);
 

@@ -272,13 +272,12 @@ class BlindMap {
 
 std::vector<Point> hits(double* ranges, std::size_t count, const Point* directions, double range_min, double range_max,
                         const Point& mount) {
-  constexpr double kSmallest = 1e-3;  // m, of a reading, and below range_max for a hit
   std::vector<Point> points;
   points.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     // Comparisons with what is no number are false.
-    ranges[i] = ranges[i] >= std::max(range_min, kSmallest) ? std::min(ranges[i], range_max) : 0.0;
-    if (!(ranges[i] > 0.0 && ranges[i] < range_max - kSmallest)) continue;
+    ranges[i] = ranges[i] > 0.0 && ranges[i] >= range_min ? std::min(ranges[i], range_max) : 0.0;
+    if (!(ranges[i] > 0.0 && ranges[i] < range_max)) continue;
     points.push_back({directions[i].x * ranges[i] + mount.x, directions[i].y * ranges[i] + mount.y});
   }
   return points;

@@ -42,7 +42,7 @@ class Plan:
 
 
 class CostMap:
-    """Distances to walls of one map, m, 1000 where walls do not slow down, and slowness for planning over it."""
+    """Distances to walls of one map, m, infinity where walls do not slow down, and slowness for planning over it."""
 
     def __init__(
         self,
