@@ -8,7 +8,7 @@ from typing import Dict
 ROOT = Path(__file__).parents[1]
 # Of tables, searches and numerics: whatever they are, the robot drives alike.
 BOUNDS = {
-    "MOST_ROTATION", "REMEMBERED_LIMIT", "KEPT", "kCell", "kHeadings", "kStep", "kMostNodes",
+    "MOST_ROTATION", "REMEMBERED_LIMIT", "kCell", "kHeadings", "kStep", "kMostNodes",
     "kPerCost", "kTurns", "SQUARE", "SQUARES_KEPT",
 }  # fmt: skip
 

@@ -10,7 +10,6 @@ from mr_robot.navigation.options import LEAST_TURN, PROGRESS
 SHORTEST_WINDOW = 0.4  # s looked back, and three and nine times that
 WINDOWS = (SHORTEST_WINDOW, 3.0 * SHORTEST_WINDOW, 9.0 * SHORTEST_WINDOW)
 MISSING = 0.7  # share of all commanded motion that a standing robot lacks: net motion of to and fro is mostly errors
-KEPT = 50  # commands and poses; more than the longest window holds
 
 Asked = Tuple[float, float, float, float]
 """By all commands until a time: signed way and turn, m and rad, and both with each way and turn counted forward."""
@@ -35,7 +34,7 @@ class StallWatch:
         asked = self._asked_until(now)
         self._command_times.append(now)
         self._commands.append((*velocity, asked))
-        _shorten(self._command_times, self._commands)
+        _forget(self._command_times, self._commands, now - self._latency)
 
     def blocked(self, now: float, pose: Pose) -> bool:
         """Whether the robot, now at `pose`, did not follow its commands. Once per step."""
@@ -44,7 +43,7 @@ class StallWatch:
         asked = self._asked_until(now - self._latency)
         self._pose_times.append(now)
         self._poses.append((pose, asked))
-        _shorten(self._pose_times, self._poses)
+        _forget(self._pose_times, self._poses, now - WINDOWS[-1])
         return any(self._stands(now, pose, window, asked) for window in WINDOWS)
 
     def _stands(self, now: float, pose: Pose, window: float, asked: Asked) -> bool:
@@ -76,6 +75,7 @@ class StallWatch:
         )
 
 
-def _shorten(times: List[float], values: List) -> None:
-    if len(times) >= 2 * KEPT:
-        del times[:KEPT], values[:KEPT]
+def _forget(times: List[float], values: List, until: float) -> None:
+    """All but the last of those before `until`, s."""
+    old = max(0, bisect_left(times, until) - 1)
+    del times[:old], values[:old]
