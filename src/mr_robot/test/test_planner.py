@@ -196,9 +196,9 @@ def test_a_way_that_the_robot_came_is_one_however_near_the_walls_are_drawn() -> 
 
     assert way() is None
     for y in np.arange(out[1], inside[1], -0.04):
-        driven.add(Pose(1.45, y, 0.0))
+        driven.add(Pose(1.45, y, 0.0), grid.resolution)
     assert way() is not None
-    driven.add(Pose(30.0, -30.0, 0.0))  # beside the map
+    driven.add(Pose(30.0, -30.0, 0.0), grid.resolution)  # beside the map
     assert plan(CostMap(grid, options, driven=driven), np.empty((0, 2)), Pose(*inside, 0.0), out, 0.1) is None
 
 

@@ -47,7 +47,8 @@ class KnownMap:
 
     def be_at(self, pose: Pose) -> None:
         """Once per step: where the robot is it fits."""
-        self._driven.add(pose)
+        if self._grid is not None:
+            self._driven.add(pose, self._grid.resolution)
 
     def costs(self, now: float) -> Optional[CostMap]:
         """None without a map. Robots that stood still long enough to enter it are no walls: what came lately is taken
