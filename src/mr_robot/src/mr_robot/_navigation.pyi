@@ -8,7 +8,7 @@ _Pair = tuple[float, float]
 _Pose = tuple[float, float, float]
 
 TOUCHING: float
-SAME_SURFACE: float
+PROGRESS: float
 SLACK: float
 RAMP: float
 
@@ -63,6 +63,7 @@ class Map:
 
 class Walls:
     resolution: float
+    same_surface: float
     def __init__(self, cells: np.ndarray, distance: np.ndarray, resolution: float, origin: _Pair) -> None: ...
 
 class Memory:

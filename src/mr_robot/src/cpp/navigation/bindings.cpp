@@ -169,7 +169,7 @@ py::tuple choose_velocity(const Floats& cost, double resolution, const Pair& ori
 PYBIND11_MODULE(_navigation, module) {
   module.doc() = "Hot loops of the navigation engine. SI units, poses as (x, y, yaw).";
   module.attr("TOUCHING") = kTouching;
-  module.attr("SAME_SURFACE") = kSameSurface;
+  module.attr("PROGRESS") = kProgress;
   module.attr("SLACK") = kSlack;
   module.attr("RAMP") = kRamp;
   py::class_<Limits>(module, "Limits")
@@ -209,7 +209,8 @@ PYBIND11_MODULE(_navigation, module) {
       .def(py::init(&own_map), py::arg("cells"), py::arg("resolution"), py::arg("origin"));
   py::class_<OwnedWalls>(module, "Walls")
       .def(py::init(&own_walls), py::arg("cells"), py::arg("distance"), py::arg("resolution"), py::arg("origin"))
-      .def_property_readonly("resolution", [](const OwnedWalls& walls) { return walls.view.map.resolution; });
+      .def_property_readonly("resolution", [](const OwnedWalls& walls) { return walls.view.map.resolution; })
+      .def_property_readonly("same_surface", [](const OwnedWalls& walls) { return walls.view.same_surface(); });
   py::class_<Memory>(module, "Memory")
       .def(py::init([](double duration, double cell, std::size_t most) {
              return Memory{duration, cell, most};

@@ -9,6 +9,7 @@
 
 namespace mr_robot::navigation {
 
+constexpr double kProgress = 0.1;       // m of motion that count as one; what is less is SLAM's
 constexpr double kTouching = 0.03;      // m to obstacles, less than which may be a touch: poses and points are inexact
 constexpr double kSlack = 0.002;        // m that a motion may come nearer to what the body touches already
 constexpr double kHorizon = 1.1;        // s that local control looks ahead

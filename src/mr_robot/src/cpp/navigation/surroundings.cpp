@@ -148,8 +148,10 @@ struct Beyond {
 };
 
 // What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
-// robot that turns touches it with a corner that it does not see. `length`: m that it goes on.
-void continue_edge(const ScanView& scan, bool first, double length, double reach, std::vector<Beyond>& result) {
+// robot that turns touches it with a corner that it does not see. `surface`: m of it that tell its direction; `length`:
+// m that it goes on.
+void continue_edge(const ScanView& scan, bool first, double surface, double length, double reach,
+                   std::vector<Beyond>& result) {
   const auto edge_of = [&](std::size_t i) { return first ? scan.points[i] : scan.points[scan.point_count - 1 - i]; };
   const Point edge = edge_of(0);
   const double end = first ? scan.angle_min : scan.angle_min + scan.angle_increment * (scan.range_count - 1.0);
@@ -157,7 +159,7 @@ void continue_edge(const ScanView& scan, bool first, double length, double reach
   const double at_edge = kPatchHits * std::abs(scan.angle_increment);
   if (std::hypot(edge.x, edge.y) > reach || std::abs(std::remainder(bearing - end, 2.0 * M_PI)) > at_edge) return;
   std::vector<Point> patch;
-  for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < kSameSurface; ++i) {
+  for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < surface; ++i) {
     patch.push_back(edge_of(i));
   }
   if (patch.size() < kPatchHits) return;
@@ -172,13 +174,13 @@ void continue_edge(const ScanView& scan, bool first, double length, double reach
   }
 }
 
-std::vector<Beyond> continued(const ScanView& scan, double length, double reach) {
+std::vector<Beyond> continued(const ScanView& scan, double surface, double length, double reach) {
   std::vector<Beyond> result;
   const double beams = static_cast<double>(scan.range_count) - 1.0 + 2.0 * kPatchHits;
   if (scan.point_count == 0 || scan.range_count < 2 || beams * std::abs(scan.angle_increment) > 2.0 * M_PI)
     return result;
-  continue_edge(scan, true, length, reach, result);
-  continue_edge(scan, false, length, reach, result);
+  continue_edge(scan, true, surface, length, reach, result);
+  continue_edge(scan, false, surface, length, reach, result);
   return result;
 }
 
@@ -238,13 +240,14 @@ std::vector<Point> walls_near(const Map& map, const Pose& pose, double reach) {
 // What is known of a place without seeing it.
 class BlindMap {
  public:
-  BlindMap(const Walls& merged, const Map* own, const Pose& pose, double reach) : merged_(merged.map), own_(own) {
+  BlindMap(const Walls& merged, const Map* own, const Pose& pose, double reach)
+      : merged_(merged.map), own_(own), surface_(merged.same_surface()) {
     for (const Point& wall : walls_near(merged.map, pose, reach)) {
       if (own == nullptr || !is_known(*own, wall.x, wall.y)) walls_.push_back({wall, own != nullptr});
     }
     if (own == nullptr) return;
     for (const Point& wall : walls_near(*own, pose, reach)) {
-      if (is_wall(merged, wall, kSameSurface)) walls_.push_back({wall, false});
+      if (is_wall(merged, wall, surface_)) walls_.push_back({wall, false});
     }
   }
 
@@ -258,13 +261,14 @@ class BlindMap {
   bool is_open(const Point& point) const {
     const bool known = (own_ != nullptr && is_known(*own_, point.x, point.y)) || is_known(merged_, point.x, point.y);
     return known && std::none_of(walls_.begin(), walls_.end(), [&](const Wall& wall) {
-             return within(wall.place, {point.x, point.y, 0.0}, kSameSurface);
+             return within(wall.place, {point.x, point.y, 0.0}, surface_);
            });
   }
 
  private:
   const Map& merged_;
   const Map* own_;
+  double surface_;
   std::vector<Wall> walls_;
 };
 
@@ -291,15 +295,16 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
     if (kept.size() < memory.most && squares.number(point.x, point.y) == kept.size()) kept.push_back(point);
   };
   const Placement place(pose);
+  const double surface = walls.same_surface();
   for (std::size_t i = 0; i < scan.point_count; ++i) {
     const Point hit = place(scan.points[i]);
-    if (!is_wall(walls, hit, kSameSurface)) keep({hit.x, hit.y, now});
+    if (!is_wall(walls, hit, surface)) keep({hit.x, hit.y, now});
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
   const double heading = pose.yaw + scan.mount.yaw;
   for (const Remembered& point : old) {
     const bool valid = now - point.time < memory.duration && point.time <= now;
-    if (valid && !seen_gone({point.x, point.y}, eye, heading, scan, kSameSurface)) keep(point);
+    if (valid && !seen_gone({point.x, point.y}, eye, heading, scan, surface)) keep(point);
   }
   return kept;
 }
@@ -307,8 +312,9 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
 std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const std::vector<Remembered>& remembered,
                                    const Walls& walls, const Map* own, const Footprint& footprint,
                                    const Margins& margins, double reach) {
+  const double surface = walls.same_surface();
   const BlindMap blind(walls, own, pose, reach);
-  const std::vector<Beyond> beyond = continued(scan, 2.0 * footprint.half_length, reach);
+  const std::vector<Beyond> beyond = continued(scan, surface, 2.0 * footprint.half_length, reach);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
   // A robot that turns may touch what is this close, and the nearest point of a square to its middle is not the nearest
   // to a corner.
@@ -318,7 +324,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   for (const Point& point : smoothed(scan, reach)) {
     if (!within(point, {0.0, 0.0, 0.0}, reach)) continue;
     const Point hit = place(point);
-    const bool known = is_wall(walls, hit, kSameSurface);
+    const bool known = is_wall(walls, hit, surface);
     nearest.add(known ? Obstacle{hit.x, hit.y, margins.obstacle, 0.0}
                       : Obstacle{hit.x, hit.y, margins.moving, margins.reaction_time});
   }
@@ -338,7 +344,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   }
   const Point eye = place({scan.mount.x, scan.mount.y});
   for (const BlindMap::Wall& wall : blind.walls()) {
-    const auto same = [&](const Point& point) { return distance(point, wall.place) < kSameSurface; };
+    const auto same = [&](const Point& point) { return distance(point, wall.place) < surface; };
     if (std::any_of(guessed.begin(), guessed.end(), same)) continue;
     if (in_view(wall.place, eye, pose.yaw + scan.mount.yaw, scan)) continue;
     nearest.add({wall.place.x, wall.place.y, wall.foreign ? margins.foreign : margins.wall, 0.0});

@@ -10,8 +10,6 @@
 
 namespace mr_robot::navigation {
 
-constexpr double kSameSurface = 0.15;  // m between what the laser or a map shows of one surface
-
 struct Point {
   double x, y;  // m
 };
@@ -20,6 +18,9 @@ struct Point {
 struct Walls {
   Map map;
   const float* distance;  // m from each cell to the nearest wall
+
+  // m between what the laser or a map shows of one surface: what SLAM may be off by, and a cell.
+  double same_surface() const { return kProgress + map.resolution; }
 };
 
 struct ScanView {

@@ -9,7 +9,7 @@ import numpy as np
 from mr_grid import Pose
 from mr_robot import _navigation
 
-PROGRESS = 0.1  # m of motion that count as one: less is SLAM's
+PROGRESS = _navigation.PROGRESS
 LEAST_TURN = 0.3  # rad
 # m within which robots, and what the map does not know, are in one another's way; no larger is what moves, and by no
 # more does a way become another one.

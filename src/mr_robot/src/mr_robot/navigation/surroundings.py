@@ -66,7 +66,7 @@ class Surroundings:
         places = pose.apply_inverse(rows[:, :2])
         behind = (places[:, 0] < -self._footprint.half_length) & (np.hypot(*places.T) < self._near)
         rows = rows[behind]
-        rows = rows[costs.is_open(rows[:, :2], _navigation.SAME_SURFACE)]
+        rows = rows[costs.is_open(rows[:, :2], costs.walls.same_surface)]
         margins = self._options.moving_margin + APPROACH * (now - rows[:, 2])
         return np.column_stack([rows[:, :2], margins, np.full(len(rows), self._options.moving_reaction_time)])
 
