@@ -2,35 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
-#include "map.hpp"
+#include "blind_map.hpp"
 #include "rollout.hpp"
+#include "scan.hpp"
 
 namespace mr_robot::navigation {
-
-struct Point {
-  double x, y;  // m
-};
-
-// The walls of a map.
-struct Walls {
-  Map map;
-  const float* distance;  // m from each cell to the nearest wall
-
-  // m between what the laser or a map shows of one surface: what SLAM may be off by, and a cell.
-  double same_surface() const { return kProgress + map.resolution; }
-};
-
-struct ScanView {
-  const Point* points;  // hits, robot's frame
-  std::size_t point_count;
-  const double* ranges;  // m by beam, 0 = not valid
-  std::size_t range_count;
-  double angle_min, angle_increment;  // rad
-  Pose mount;                         // of the laser on the robot
-};
 
 struct Remembered {
   double x, y;  // m, map frame
@@ -48,11 +26,6 @@ struct Memory {
 struct Margins {
   double wall, foreign, obstacle, moving, reaction_time;
 };
-
-// What a laser's readings say: sets those that are none to 0 and the rest to at most `range_max`, and returns the hits
-// in the robot's frame. `directions`: unit vectors of the beams; `mount`: place of the laser on the robot.
-std::vector<Point> hits(double* ranges, std::size_t count, const Point* directions, double range_min, double range_max,
-                        const Point& mount);
 
 // The memory after one more scan taken at `pose`: its hits that are no walls of the map, then what is left of the old.
 // Of several points in a square the first is kept.

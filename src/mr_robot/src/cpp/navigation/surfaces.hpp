@@ -1,0 +1,24 @@
+// Surfaces near the robot, as the hits of a scan show them.
+#pragma once
+
+#include <vector>
+
+#include "scan.hpp"
+
+namespace mr_robot::navigation {
+
+// Close to the robot hits lie denser than they are exact: the mean of many beams says where a surface is, while the
+// nearest of them seems to touch a robot that stands beside it.
+std::vector<Point> smoothed(const ScanView& scan, double reach);
+
+// A point where the laser is blind, and the last one that it sees of the same surface. Robot's frame.
+struct Beyond {
+  Point point, edge;
+};
+
+// What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
+// robot that turns touches it with a corner that it does not see. `surface`: m of it that tell its direction; `length`:
+// m that it goes on.
+std::vector<Beyond> continued(const ScanView& scan, double surface, double length, double reach);
+
+}  // namespace mr_robot::navigation
