@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[1]
 # Of tables, searches and numerics: whatever they are, the robot drives alike.
 BOUNDS = {
     "MOST_ROTATION", "REMEMBERED_LIMIT", "kCell", "kHeadings", "kStep", "kMostNodes",
-    "kPerCost", "kTurns", "SQUARE", "SQUARES_KEPT",
+    "kPerCost", "kTurns", "SQUARES_KEPT",
 }  # fmt: skip
 
 
