@@ -107,11 +107,19 @@ Time AirClock::end_of_rest(Time begin) {
   return end;
 }
 
+/// One neighbour cannot make the air seem slower than it can be: what it reports is not longer than its answer took
+/// since the frame before was handed over, nor than the slowest radio takes.
+Time AirClock::credible(const Transmission& transmission, Time spacing, Time answered) const {
+  const Time since_former = answered - (transmission.sent - transmission.gap);
+  return std::min({spacing, since_former, AirRate::slowest_air_time(transmission.octets)});
+}
+
 /// A frame handed over as late as it arrived after the one before may have found the radio idle.
 void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   Transmission* transmission = find(counter);
   if (transmission == nullptr || transmission->sampled || transmission->gap >= spacing * 4 / 5) return;
   transmission->sampled = true;
+  spacing = credible(*transmission, spacing, now);
   AirRate& kind = kinds_[transmission->destination];
   kind.sample(transmission->octets, spacing, now);
   if (transmission->destination != wire::kEverybody) {

@@ -84,6 +84,7 @@ class AirClock {
   Transmissions::iterator first_after(std::uint64_t counter);
   Transmission* find(std::uint64_t counter);
   bool take(std::uint64_t counter);
+  Time credible(const Transmission& transmission, Time spacing, Time answered) const;
   Time end_of_rest(Time begin);
   Time arrival(const Transmission& last, Time answered, std::size_t octets) const;
   void sample(std::uint64_t counter, Time spacing, Time now);

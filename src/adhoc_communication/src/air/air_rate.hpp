@@ -18,6 +18,11 @@ class AirRate {
   static constexpr std::size_t kLatestSamples = 4;
   static constexpr Time kLatest = std::chrono::seconds(10);  ///< age of a measurement that still tells something
 
+  static constexpr double kSlowest = 8e9 / 1e6;  ///< nanoseconds per octet: the lowest rate of Wi-Fi
+
+  static Time slowest_air_time(std::size_t octets) {
+    return Time(static_cast<Time::rep>(kSlowest * static_cast<double>(octets + kOverheadOctets)));
+  }
   Time air_time(std::size_t octets) const {
     return Time(static_cast<Time::rep>(nanoseconds_per_octet_ * static_cast<double>(octets + kOverheadOctets)));
   }

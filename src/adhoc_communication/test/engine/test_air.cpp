@@ -81,6 +81,29 @@ TEST(AirClockKinds, NeighborsThatAreGoneAreForgotten) {
   EXPECT_NEAR(frame_time(clock, wire::kEverybody), 12'000, 1);
 }
 
+/// A neighbour that reported seconds kept the radio from sending to all others.
+TEST(AirClockKinds, WhatANeighborReportsIsNoLongerThanItCanBe) {
+  air::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  for (int i = 0; i < 10; ++i) {
+    const Time now = i * 100ms;
+    clock.transmitted(++counter, kOctets, kNear, now);
+    clock.transmitted(++counter, kOctets, kNear, now);
+    clock.acknowledged(counter, 4s, now + 3ms, 0);
+  }
+  EXPECT_LE(frame_time(clock, kNear), 3000) << "it was answered within that";
+  for (int i = 10; i < 40; ++i) {
+    const Time now = i * 100ms;
+    clock.transmitted(++counter, kOctets, kFarOff, now);
+    clock.transmitted(++counter, kOctets, kFarOff, now);
+    clock.acknowledged(counter, 4s, now + 90ms, 0);
+  }
+  const double slowest = microseconds(air::AirRate::slowest_air_time(kOctets));
+  EXPECT_LE(frame_time(clock, kFarOff), slowest + 1);
+  EXPECT_LE(frame_time(clock, kUnknown), slowest + 1);
+  EXPECT_LT(slowest, 15'000);
+}
+
 TEST(AirClockKinds, AnAnswerThatComesAfterLaterOnesStillMeasures) {
   air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
