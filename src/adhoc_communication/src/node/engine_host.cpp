@@ -1,7 +1,6 @@
 #include "node/engine_host.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/random.h>
 
 #include <algorithm>
@@ -30,6 +29,14 @@ Value drawn_from_system() {
   return value;
 }
 
+/// Tells the first end only.
+Waiter once(Waiter waiter) {
+  const auto open = std::make_shared<Waiter>(std::move(waiter));
+  return [open](const Outcome& end) {
+    if (const Waiter told = std::exchange(*open, nullptr)) told(end);
+  };
+}
+
 }  // namespace
 
 EngineHost::EngineHost(const EngineOptions& options, std::unique_ptr<Link> link, ReceiveFilter filter,
@@ -40,49 +47,40 @@ EngineHost::EngineHost(const EngineOptions& options, std::unique_ptr<Link> link,
       address_(link_->address()),
       mtu_(link_->mtu()),
       engine_time_(steady_now()),
-      engine_(options, address_, drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), engine_time_),
-      wake_up_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+      engine_(options, address_, drawn_from_system<BootId>(), drawn_from_system<std::uint64_t>(), engine_time_) {
   thread_ = std::thread([this] { run(); });
 }
 
 EngineHost::~EngineHost() { stop(); }
 
 void EngineHost::stop() {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    stopping_ = true;
-  }
-  eventfd_write(wake_up_.get(), 1);
+  commands_.close();
   if (thread_.joinable()) thread_.join();
 }
 
 void EngineHost::run() {
+  const auto tell = [this](const std::string& text) {
+    if (callbacks_.on_failure) callbacks_.on_failure(text);
+  };
   run_guarded(
-      "the engine", [this] { work(); },
-      [this](const std::string& text) {
-        if (callbacks_.on_failure) callbacks_.on_failure(text);
-      });
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    stopping_ = true;
-  }
-  fail_all_waiters();
+      "the engine", [this] { work(); }, tell);
+  commands_.close();
+  fail_all();
 }
 
 void EngineHost::work() {
-  for (;;) {
+  do {
     const bool link_has_something = wait_for_work();
     const Time woken = steady_now();
     if (link_has_something) receive_frames();
     engine_time_ = std::max(engine_time_, woken);
-    run_commands(engine_time_);
+    commands_.run(engine_time_);
     transmit(engine_time_);
     report_events();
     report_records();
     tend_link(engine_time_);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (stopping_) break;
-  }
+  } while (!commands_.closed());
+  commands_.run(engine_time_);  // those accepted before the end
 }
 
 /// True when the link has something.
@@ -91,21 +89,9 @@ bool EngineHost::wait_for_work() {
   const Time wait = std::max(deadline - steady_now(), Time::zero());
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(wait);
   const struct timespec timeout { static_cast<time_t>(seconds.count()), static_cast<long>((wait - seconds).count()) };
-  struct pollfd sources[2] = {{wake_up_.get(), POLLIN, 0}, {link_->descriptor(), POLLIN, 0}};
+  struct pollfd sources[2] = {{commands_.descriptor(), POLLIN, 0}, {link_->descriptor(), POLLIN, 0}};
   ppoll(sources, 2, &timeout, nullptr);
   return sources[1].revents != 0;
-}
-
-void EngineHost::run_commands(Time now) {
-  std::deque<Command> commands;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (commands_.empty()) return;
-    eventfd_t count = 0;
-    eventfd_read(wake_up_.get(), &count);
-    commands.swap(commands_);
-  }
-  for (const auto& command : commands) command(now);
 }
 
 /// The engine is told when each frame arrived, as it learns from the rhythm of frames how fast the radio is.
@@ -190,27 +176,22 @@ void EngineHost::restart_engine(Time now) {
   }
 }
 
-void EngineHost::fail_all_waiters() {
-  run_commands(steady_now());  // those accepted before the end: they get their answer too
-  for (auto& [id, waiter] : sends_) waiter({false, kShutsDown});
-  for (auto& [group, waiter] : group_changes_) waiter({false, kShutsDown});
+/// Nobody waits for an engine that has ended, be it by an exception: its thread is the last that could tell.
+void EngineHost::fail_all() {
+  commands_.fail();
+  const auto fail = [](const auto& call) { run_guarded("", call, [](const std::string&) {}); };
+  for (const auto& [id, waiter] : sends_) fail([&] { waiter({false, kShutsDown}); });
+  for (const auto& [group, waiter] : group_changes_) fail([&] { waiter({false, kShutsDown}); });
   sends_.clear();
   group_changes_.clear();
-}
-
-bool EngineHost::post(Command command) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (stopping_) return false;
-  commands_.push_back(std::move(command));
-  eventfd_write(wake_up_.get(), 1);
-  return true;
 }
 
 Outcome EngineHost::wait_for(const std::function<void(Time, Waiter)>& begin) {
   const auto promise = std::make_shared<std::promise<Outcome>>();
   auto outcome = promise->get_future();
-  const auto waiter = [promise](const Outcome& end) { promise->set_value(end); };
-  if (!post([&begin, waiter](Time now) { begin(now, waiter); })) return {false, kShutsDown};
+  const Waiter waiter = once([promise](const Outcome& end) { promise->set_value(end); });
+  const auto fail = [waiter] { waiter({false, kShutsDown}); };
+  if (!commands_.post({[&begin, waiter](Time now) { begin(now, waiter); }, fail})) return {false, kShutsDown};
   return outcome.get();
 }
 
@@ -224,9 +205,10 @@ Outcome EngineHost::send(SendRequest request) {
 void EngineHost::send(SendRequest request, Waiter waiter) {
   pack(request);
   const auto shared = std::make_shared<SendRequest>(std::move(request));  // commands can be copied
-  const bool posted =
-      post([this, shared, waiter](Time now) { sends_.emplace(engine_.send(std::move(*shared), now), waiter); });
-  if (!posted) waiter({false, kShutsDown});
+  const Waiter told = once(std::move(waiter));
+  const auto run = [this, shared, told](Time now) { sends_.emplace(engine_.send(std::move(*shared), now), told); };
+  const auto fail = [told] { told({false, kShutsDown}); };
+  if (!commands_.post({run, fail})) fail();
 }
 
 Outcome EngineHost::broadcast(BroadcastRequest request) {
@@ -261,9 +243,8 @@ Value EngineHost::ask(std::function<Value()> question) {
       answer->set_exception(std::current_exception());
     }
   };
-  if (!post(reply)) {
-    throw std::runtime_error(kShutsDown);
-  }
+  const auto fail = [answer] { answer->set_exception(std::make_exception_ptr(std::runtime_error(kShutsDown))); };
+  if (!commands_.post({reply, fail})) throw std::runtime_error(kShutsDown);
   return future.get();
 }
 

@@ -1,22 +1,18 @@
 // Runs an engine on a link: one thread owns both, every other thread asks it and waits for the answer.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
-#include <deque>
 #include <functional>
 #include <future>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "adhoc_communication/engine.hpp"
-#include "link/file_descriptor.hpp"
 #include "link/link.hpp"
 #include "node/channel_model.hpp"
+#include "node/commands.hpp"
 
 namespace adhoc_communication {
 
@@ -88,13 +84,10 @@ class EngineHost {
   void set_keys(std::vector<TeamKey> keys);
 
  private:
-  using Command = std::function<void(Time now)>;
-
   void run();
   void work();
   bool wait_for_work();
   void receive_frames();
-  void run_commands(Time now);
   void transmit(Time now);
   void report_events();
   void report_records();
@@ -107,10 +100,9 @@ class EngineHost {
   void report(const RobotLost& event);
   void report(const NameTaken& event);
   void report(const GroupChangeFinished& end);
-  void fail_all_waiters();
+  void fail_all();
   Snapshot look() const;
 
-  bool post(Command command);
   template <typename Value>
   Value ask(std::function<Value()> question);
   Outcome wait_for(const std::function<void(Time, Waiter)>& begin);
@@ -122,16 +114,13 @@ class EngineHost {
   int mtu_;
   Time engine_time_;  ///< what the engine was told last; never goes back
   Engine engine_;
-  FileDescriptor wake_up_;
+  Commands commands_;
   std::map<SendId, Waiter> sends_;
   std::multimap<std::pair<std::string, bool>, Waiter> group_changes_;  ///< by group and whether it is to be joined
   bool link_was_up_ = true;
   std::string trouble_told_;
   Time next_tending_{0};
 
-  std::mutex mutex_;
-  bool stopping_ = false;
-  std::deque<Command> commands_;
   std::thread thread_;
 };
 

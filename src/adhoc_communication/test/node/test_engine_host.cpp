@@ -148,5 +148,54 @@ TEST(EngineHost, SaysWhatHasEndedIt) {
   EXPECT_EQ(host.send({"bob", "topic", 'A', Bytes{1}}).reason, "the node is shutting down");
 }
 
+/// What waited for the engine when it ended waited for ever, and so did who stopped the services.
+TEST(EngineHost, NobodyWaitsForAnEngineThatHasEnded) {
+  /// Ends the engine once it is told to, while commands wait.
+  class EndingLink : public ReplacedLink {
+   public:
+    EndingLink(std::promise<void>& looked, std::shared_future<void> ends) : looked_(looked), ends_(std::move(ends)) {}
+    int receive(const FrameTaker&) override {
+      if (!std::exchange(told_, true)) looked_.set_value();
+      ends_.wait();
+      throw std::runtime_error("the link is broken");
+    }
+
+   private:
+    std::promise<void>& looked_;
+    std::shared_future<void> ends_;
+    bool told_ = false;
+  };
+  EngineOptions options;
+  options.robot_name = "alice";
+  std::promise<void> looked;
+  std::promise<void> ends;
+  HostCallbacks callbacks;
+  callbacks.on_warning = [](const std::string&) {};
+  EngineHost host(options, std::make_unique<EndingLink>(looked, ends.get_future().share()),
+                  ReceiveFilter("alice", {}, {}, nullptr), callbacks);
+  looked.get_future().wait();
+  int told = 0;
+  host.send({"bob", "topic", 'A', Bytes{1}}, [&](const Outcome& end) {
+    ++told;
+    EXPECT_EQ(end.reason, "the node is shutting down");
+    throw 7;  // keeps nobody else from being told
+  });
+  const auto call = [](auto ask) { return std::async(std::launch::async, ask); };
+  auto sent = call([&] { return host.send({"bob", "topic", 'A', Bytes{1}}).reason; });
+  auto joined = call([&] { return host.join_group("mc_bob").reason; });
+  auto asked = call([&]() -> std::string {
+    try {
+      host.neighbors();
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  });
+  ends.set_value();
+  for (auto* end : {&sent, &joined, &asked}) EXPECT_EQ(end->get(), "the node is shutting down");
+  host.stop();
+  EXPECT_EQ(told, 1);
+}
+
 }  // namespace
 }  // namespace adhoc_communication
