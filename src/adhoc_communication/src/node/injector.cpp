@@ -13,8 +13,7 @@
 namespace adhoc_communication {
 namespace {
 
-constexpr std::size_t kMaxQueuedPackets = 1000;
-constexpr std::size_t kMaxQueuedOctets = 16'000'000;       ///< if it is more than one packet
+constexpr std::size_t kMostTold = 256;
 constexpr std::chrono::milliseconds kConnectionPeriod{5};  ///< in which it is looked whether subscribers have connected
 
 }  // namespace
@@ -34,23 +33,23 @@ Injector::~Injector() {
 }
 
 void Injector::inject(PacketReceived packet) {
-  std::unique_lock<std::mutex> lock(mutex_);
-  if (queue_.size() >= kMaxQueuedPackets ||
-      (!queue_.empty() && queued_octets_ + packet.payload.size() > kMaxQueuedOctets)) {
-    ++dropped_;
-    lock.unlock();
-    ROS_ERROR_THROTTLE(5.0, "Packets arrive faster than they can be published; one for topic '%s' was dropped",
-                       escaped(packet.topic).c_str());
-    return;
-  }
-  queued_octets_ += packet.payload.size();
-  queue_.push_back(std::move(packet));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const PacketReceived& dropped : queue_.add(std::move(packet))) count_dropped(dropped);
   arrived_.notify_one();
+}
+
+void Injector::count_dropped(const PacketReceived& packet) {
+  ++dropped_;
+  if (robots_told_.size() >= kMostTold || !robots_told_.insert(packet.source).second) return;
+  ROS_ERROR(
+      "Packets of %s arrive faster than they can be published; one for topic '%s' was dropped (reported once per "
+      "robot)",
+      packet.source.c_str(), escaped(packet.topic).c_str());
 }
 
 Injector::Report Injector::report() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return {queue_.size(), queued_octets_, dropped_};
+  return {queue_.size(), queue_.octets(), dropped_};
 }
 
 void Injector::run() {
@@ -61,9 +60,7 @@ void Injector::run() {
 void Injector::work() {
   std::unique_lock<std::mutex> lock(mutex_);
   while (wait_for_packet(lock)) {
-    PacketReceived packet = std::move(queue_.front());
-    queue_.pop_front();
-    queued_octets_ -= packet.payload.size();
+    PacketReceived packet = queue_.take();
     lock.unlock();
     inbox_.take(std::move(packet), steady_now());
     lock.lock();

@@ -3,13 +3,15 @@
 
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <string>
 #include <thread>
 
 #include "adhoc_communication/types.hpp"
 #include "relay/inbox.hpp"
+#include "relay/packet_queue.hpp"
 
 namespace adhoc_communication {
 
@@ -19,7 +21,8 @@ class Injector {
   Injector(std::unique_ptr<LocalTopics> topics, TopicFilter filter, InboxCalls calls);
   ~Injector();
 
-  /// Takes over a packet without waiting. When the queue is full the packet is dropped, counted and reported.
+  /// Takes over a packet without waiting. What the queue has no room for is dropped, counted, and reported once per
+  /// robot.
   void inject(PacketReceived packet);
 
   struct Report {
@@ -32,6 +35,7 @@ class Injector {
  private:
   void run();
   void work();
+  void count_dropped(const PacketReceived& packet);
   bool wait_for_packet(std::unique_lock<std::mutex>& lock);
 
   const std::unique_ptr<LocalTopics> topics_;
@@ -39,8 +43,8 @@ class Injector {
 
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
-  std::deque<PacketReceived> queue_;
-  std::size_t queued_octets_ = 0;
+  PacketQueue queue_;
+  std::set<std::string> robots_told_;
   std::uint64_t dropped_ = 0;
   bool stopping_ = false;
   std::thread thread_;

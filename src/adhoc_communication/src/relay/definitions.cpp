@@ -4,21 +4,29 @@
 #include <utility>
 
 namespace adhoc_communication {
+namespace {
+
+template <typename Items, typename Source, typename Size>
+std::string source_of_most(const Items& items, Source source, Size size) {
+  std::map<std::string, std::size_t> sums;
+  for (const auto& item : items) sums[source(item)] += size(item);
+  return std::max_element(sums.begin(), sums.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+}  // namespace
 
 const std::string* Definitions::find(const TypeName& type) const {
   const auto found = by_type_.find(type);
   return found == by_type_.end() ? nullptr : &found->second->definition;
 }
 
-std::vector<PacketReceived> Definitions::learn(const TypeName& type, const std::string& definition) {
+std::vector<PacketReceived> Definitions::learn(const TypeName& type, const std::string& definition,
+                                               const std::string& source) {
   if (by_type_.count(type) == 0 && definition.size() <= kMostOctets) {
     octets_ += definition.size();
-    by_type_[type] = known_.insert(known_.end(), {type, definition});
-    while (known_.size() > kMostDefinitions || octets_ > kMostOctets) {
-      octets_ -= known_.front().definition.size();
-      by_type_.erase(known_.front().type);
-      known_.pop_front();
-    }
+    by_type_[type] = known_.insert(known_.end(), {type, definition, source});
+    while (known_.size() > kMostDefinitions || octets_ > kMostOctets) forget_definition();
   }
   std::vector<PacketReceived> released;
   for (auto iterator = held_.begin(); iterator != held_.end();) {
@@ -36,7 +44,9 @@ std::vector<PacketReceived> Definitions::learn(const TypeName& type, const std::
 
 bool Definitions::hold(PacketReceived packet, const TypeName& type, Time now) {
   const std::size_t octets = packet.payload.size();
-  while (!held_.empty() && (held_.size() >= kMostHeld || held_octets_ + octets > kMostHeldOctets)) drop_oldest();
+  while (!held_.empty() && (held_.size() >= kMostHeld || held_octets_ + octets > kMostHeldOctets)) {
+    drop_oldest_of_most();
+  }
   held_octets_ += octets;
   held_.push_back({std::move(packet), type, now});
   forget_unawaited();
@@ -47,13 +57,34 @@ bool Definitions::hold(PacketReceived packet, const TypeName& type, Time now) {
 }
 
 void Definitions::expire(Time now) {
-  while (!held_.empty() && now - held_.front().since >= kPatience) drop_oldest();
+  while (!held_.empty() && now - held_.front().since >= kPatience) drop(held_.begin());
   forget_unawaited();
 }
 
-void Definitions::drop_oldest() {
-  held_octets_ -= held_.front().packet.payload.size();
-  held_.pop_front();
+/// Of the source that keeps most.
+void Definitions::forget_definition() {
+  const bool too_many = known_.size() > kMostDefinitions;
+  const std::string most = source_of_most(
+      known_, [](const Known& known) { return known.source; },
+      [too_many](const Known& known) { return too_many ? 1 : known.definition.size(); });
+  const auto oldest =
+      std::find_if(known_.begin(), known_.end(), [&](const Known& known) { return known.source == most; });
+  octets_ -= oldest->definition.size();
+  by_type_.erase(oldest->type);
+  known_.erase(oldest);
+}
+
+void Definitions::drop_oldest_of_most() {
+  const bool too_many = held_.size() >= kMostHeld;
+  const std::string most = source_of_most(
+      held_, [](const Held& held) { return held.packet.source; },
+      [too_many](const Held& held) { return too_many ? 1 : held.packet.payload.size(); });
+  drop(std::find_if(held_.begin(), held_.end(), [&](const Held& held) { return held.packet.source == most; }));
+}
+
+void Definitions::drop(std::deque<Held>::iterator held) {
+  held_octets_ -= held->packet.payload.size();
+  held_.erase(held);
   ++dropped_;
 }
 

@@ -13,13 +13,14 @@
 
 namespace adhoc_communication {
 
-/// A definition is identified by type and MD5 sum, whoever sent it; the first one received counts.
+/// A definition is identified by type and MD5 sum, whoever sent it; the first one received counts. Without room, the
+/// robot that keeps most of what there is too much of loses its oldest: definitions, or messages that wait.
 class Definitions {
  public:
-  static constexpr std::size_t kMostDefinitions = 256;       ///< the one received first makes room
-  static constexpr std::size_t kMostOctets = 8'000'000;      ///< of all definitions, likewise
-  static constexpr std::size_t kMostHeld = 64;               ///< messages that wait; the oldest is dropped
-  static constexpr std::size_t kMostHeldOctets = 8'000'000;  ///< likewise, if it is more than one message
+  static constexpr std::size_t kMostDefinitions = 256;       ///< those that messages bring, too
+  static constexpr std::size_t kMostOctets = 8'000'000;      ///< of all definitions
+  static constexpr std::size_t kMostHeld = 64;               ///< messages that wait
+  static constexpr std::size_t kMostHeldOctets = 8'000'000;  ///< of these, if it is more than one message
   static constexpr Time kPatience = std::chrono::seconds(10);
   static constexpr Time kAskAgain = std::chrono::seconds(1);
 
@@ -27,10 +28,11 @@ class Definitions {
   const std::string* find(const TypeName& type) const;
 
   /// Keeps a definition and returns the messages that have waited for it, in order.
-  std::vector<PacketReceived> learn(const TypeName& type, const std::string& definition);
+  std::vector<PacketReceived> learn(const TypeName& type, const std::string& definition, const std::string& source);
 
   /// Keeps a message until its definition is learnt. True when its sender has to be asked for the definition now.
   bool hold(PacketReceived packet, const TypeName& type, Time now);
+  bool awaits_any() const { return !asked_.empty(); }
   bool awaits(const TypeName& type) const { return asked_.count(type) != 0; }
 
   /// Drops messages that have waited too long.
@@ -42,6 +44,7 @@ class Definitions {
   struct Known {
     TypeName type;
     std::string definition;
+    std::string source;
   };
   struct Held {
     PacketReceived packet;
@@ -49,7 +52,9 @@ class Definitions {
     Time since;
   };
 
-  void drop_oldest();
+  void forget_definition();
+  void drop(std::deque<Held>::iterator held);
+  void drop_oldest_of_most();
   void forget_unawaited();
 
   std::list<Known> known_;

@@ -10,6 +10,8 @@
 namespace adhoc_communication {
 namespace {
 
+constexpr std::size_t kMostWord = 64'000;  ///< octets of what robots say to one another about types and members
+
 PayloadType type_of(const PacketReceived& packet) { return static_cast<PayloadType>(packet.payload_type); }
 
 }  // namespace
@@ -34,15 +36,21 @@ void Inbox::release(Time now) {
 }
 
 void Inbox::carry_out(PacketReceived& packet, Time now) {
-  if (!unpack(packet)) throw PayloadError("it is not what it says that it unpacks to");
-  if (type_of(packet) == PayloadType::kDefinitionRequest) return calls_.answer(packet);
-  if (type_of(packet) == PayloadType::kNewMember) return calls_.new_member(packet);
-  definitions_.expire(now);
+  const bool asks = type_of(packet) == PayloadType::kDefinitionRequest;
+  const bool is_word = asks || type_of(packet) == PayloadType::kNewMember;
   const bool is_definition = type_of(packet) == PayloadType::kDefinition;
-  if (!is_definition) check_topic(local_.full_name(packet.topic), now);
+  definitions_.expire(now);
+  // Before it takes time and memory: it may unpack to a thousand times as much.
+  if (is_definition && !definitions_.awaits_any()) return;
+  if (is_word && packet.unpacked_size > kMostWord) throw PayloadError("it is too large for what it is to say");
+  if (!is_word && !is_definition) check_topic(local_.full_name(packet.topic), now);
+  if (!unpack(packet)) throw PayloadError("it is not what it says that it unpacks to");
+  if (is_word) return asks ? calls_.answer(packet) : calls_.new_member(packet);
   SerializedMessage message = calls_.decode(packet);
   // Unasked definitions are not kept: nobody can fill the memory with them.
-  if (is_definition && definitions_.awaits({message.type, message.md5sum})) learn_definition(message, now);
+  if (is_definition && definitions_.awaits({message.type, message.md5sum})) {
+    learn_definition(message, packet.source, now);
+  }
   if (is_definition || !complete(message, packet, now)) return;
   packet.payload = {};  // large ones are not to be in memory twice
   publish(packet, std::move(message), now);
@@ -62,11 +70,11 @@ void Inbox::check_topic(const std::string& topic, Time now) {
 }
 
 /// The MD5 sum is what subscribers and other senders go by, so it has to be that of the definition.
-void Inbox::learn_definition(const SerializedMessage& message, Time now) {
+void Inbox::learn_definition(const SerializedMessage& message, const std::string& source, Time now) {
   if (md5_of_definition(message.type, message.definition) != message.md5sum) {
     throw PayloadError("the definition of " + message.type + " does not have the MD5 sum " + message.md5sum);
   }
-  for (const PacketReceived& waited : definitions_.learn({message.type, message.md5sum}, message.definition)) {
+  for (const PacketReceived& waited : definitions_.learn({message.type, message.md5sum}, message.definition, source)) {
     try {
       SerializedMessage complete = calls_.decode(waited);
       complete.definition = message.definition;
@@ -82,7 +90,7 @@ bool Inbox::complete(SerializedMessage& message, PacketReceived& packet, Time no
   const TypeName type{message.type, message.md5sum};
   if (type_of(packet) == PayloadType::kAnyMessage) {
     const std::string* known = definitions_.find(type);
-    if (known == nullptr && !message.definition.empty()) learn_definition(message, now);
+    if (known == nullptr && !message.definition.empty()) learn_definition(message, packet.source, now);
     if (known != nullptr) message.definition = *known;
     return true;
   }

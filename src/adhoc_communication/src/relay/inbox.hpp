@@ -53,7 +53,7 @@ class Inbox {
 
   void carry_out(PacketReceived& packet, Time now);
   void check_topic(const std::string& full_name, Time now);
-  void learn_definition(const SerializedMessage& message, Time now);
+  void learn_definition(const SerializedMessage& message, const std::string& source, Time now);
   bool complete(SerializedMessage& message, PacketReceived& packet, Time now);
   void publish(const PacketReceived& packet, SerializedMessage message, Time now);
   TopicTable::Topic& topic_for(const std::string& name, const SerializedMessage& message, const PacketReceived& packet,

@@ -240,6 +240,45 @@ TEST_F(InboxTest, ARobotWhoseTopicsKeepTooMuchIsNamedOnce) {
   EXPECT_EQ(inbox.take_dropped(), 0u);
 }
 
+/// Three hundred octets for a topic that is refused took a tenth of a second.
+TEST_F(InboxTest, WhatIsRefusedIsNotUnpacked) {
+  SendRequest request{"here", "denied", static_cast<std::uint8_t>(PayloadType::kAnyMessage), Bytes(9'000'000)};
+  pack(request);
+  PacketReceived bomb = any("denied", "");
+  bomb.payload = request.payload;
+  bomb.unpacked_size = request.unpacked_size - 1;  // who unpacks it notices
+  inbox.take(bomb, 0s);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("inject_deny"), std::string::npos) << told[0];
+  bomb.payload_type = static_cast<std::uint8_t>(PayloadType::kDefinition);
+  inbox.take(bomb, 0s);
+  EXPECT_EQ(inbox.take_dropped(), 1u) << "nobody has asked for a definition";
+  for (const PayloadType word : {PayloadType::kDefinitionRequest, PayloadType::kNewMember}) {
+    bomb.topic = std::string(1, static_cast<char>(word));
+    bomb.payload_type = static_cast<std::uint8_t>(word);
+    inbox.take(bomb, 0s);
+    EXPECT_NE(told.back().find("too large"), std::string::npos) << told.back();
+  }
+  EXPECT_TRUE(answered.empty());
+  EXPECT_TRUE(joined.empty());
+}
+
+/// Definitions that came with messages, unasked, made those of others be forgotten.
+TEST_F(InboxTest, DefinitionsThatComeWithMessagesTakeTheirSendersRoom) {
+  inbox.take(any("map", "1"), 0s);
+  for (std::size_t i = 0; i < 2 * Definitions::kMostDefinitions; ++i) {
+    const std::string type = "pkg/Type" + std::to_string(i);
+    PacketReceived flood = any("flood", "");
+    flood.source = "mallory";
+    flood.payload = encode_any_message({type, md5_of_definition(type, kDefinition), kDefinition, {}, false});
+    inbox.take(flood, 0s);
+  }
+  local.published.clear();
+  inbox.take(by_type("map", "2"), 0s);
+  EXPECT_EQ(local.published, Texts{"/map 2"}) << "what bob's message has brought is known";
+  EXPECT_TRUE(asked.empty());
+}
+
 TEST_F(InboxTest, WhatDoesNotUnpackAsItSaysIsRefused) {
   SendRequest request{"here", "scan", static_cast<std::uint8_t>(PayloadType::kAnyMessage),
                       any("scan", std::string(1000, 'x')).payload};
