@@ -48,7 +48,7 @@ ETHERTYPE = b"\x88\xb5"
 class Node:
     """A robot's node, started by the test."""
 
-    def __init__(self, name, address, **parameters):
+    def __init__(self, name, address, stderr=None, **parameters):
         self.name, self.address = name, address
         values = {
             "robot_name": name,
@@ -58,7 +58,7 @@ class Node:
         }
         arguments = [f"_{key}:={value}" for key, value in values.items()]
         command = [program("adhoc_communication"), f"__ns:={name}", *arguments]
-        self.process = subprocess.Popen(command, preexec_fn=die_with_parent)
+        self.process = subprocess.Popen(command, preexec_fn=die_with_parent, stderr=stderr)
 
     def service(self, service, service_type):
         name = f"/{self.name}/adhoc_communication/{service}"
@@ -368,6 +368,29 @@ class Sealed(Pair):
             with Background(play):
                 sent = [self.check_exchange(10_000) for _ in range(10)]
             self.assertEqual((lost.texts, there.texts), ([], sent))
+
+
+class Alone(unittest.TestCase):
+    def said_by_a_robot(self, name, **parameters):
+        """Warnings about the key of a node from its start until after its first answer."""
+        with tempfile.TemporaryFile("w+") as said:
+            node = Node(name, TWIN, stderr=said, **parameters)
+            node.service("get_neighbors", GetNeighbors)()
+            node.service("get_neighbors", GetNeighbors)()
+            node.end()
+            said.seek(0)
+            return [line for line in said if "neither encrypted nor authenticated" in line]
+
+    def test_an_open_node_says_so_once_at_start(self):
+        self.assertEqual(len(self.said_by_a_robot("open")), 1)
+
+    def test_a_sealed_node_does_not(self):
+        with tempfile.TemporaryDirectory() as folder:
+            key = Path(folder) / "team.key"
+            subprocess.run(
+                ["rosrun", "adhoc_communication", "team_key", "create", str(key)], check=True, stdout=subprocess.DEVNULL
+            )
+            self.assertEqual(self.said_by_a_robot("sealed", key_file=key), [])
 
 
 if __name__ == "__main__":
