@@ -7,7 +7,10 @@ namespace adhoc_communication {
 
 void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
   const routing::Robot* robot = directory_.find(data.source);
-  if (robot == nullptr) return router_.search({data.source, {}}, now);  // who is that?
+  if (robot == nullptr) {  // who is that?
+    router_.search_for_others({data.source, {}}, now);
+    return;
+  }
   const std::string source = robot->name;
   for (const auto& complete : receivers_.take(data, now)) {
     deliver(Carrier::kStream, source, data.source_boot, complete.image, complete.hops, now);

@@ -23,6 +23,7 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"routes", router_.table().size(), routing::RouteTable::kMostRoutes},
       {"precursors of a route", precursors, routing::RouteTable::kMostPrecursors},
       {"searches", router_.searches(), routing::RouteDiscovery::kMostSearches},
+      {"searches for others", router_.searches_for_others(), routing::RouteDiscovery::kMostForOthers},
       {"requests remembered", router_.requests_remembered(), routing::RequestFlood::kMostRequests},
       {"floods remembered", flood_.remembered(), transport::FloodRelay::kMostSeen},
       {"streams", streams_.size(), transport::Streams::kMostStreams},

@@ -54,13 +54,12 @@ void Presence::probe_doubtful(Time now) {
 void Presence::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now) {
   neighbors_.beacon(from, beacon, wire::neighbor_tag(self_.boot), now);
   const bool good = neighbors_.two_way(from, now) && neighbors_.loss(from) <= routing::Neighbors::kBadLoss;
-  const std::optional<MacAddress> teller = good ? std::optional(from) : std::nullopt;
-  directory_.life_sign(from, beacon.name, boot, beacon.alive, 1, teller, now);
+  directory_.life_sign(from, beacon.name, boot, beacon.alive, 1, from, good, now);
   if (neighbors_.two_way(from, now)) router_.on_hello(from, beacon.sequence_number, now);
   for (const wire::Rumor& rumor : beacon.rumors) {
     if (rumor.address == self_.address) continue;
     directory_.life_sign(rumor.address, rumor.name, rumor.boot, rumor.alive, static_cast<std::uint8_t>(rumor.hops + 1),
-                         teller, now);
+                         from, good, now);
   }
 }
 

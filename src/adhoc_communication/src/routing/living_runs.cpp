@@ -62,12 +62,62 @@ bool LivingRuns::told_alive(const MacAddress& robot, wire::BootTag boot, std::ui
   }
   if (!told(robot, boot, now)) return false;
   Runs& runs = robots_.at(robot);
-  if (runs.sign == 0 || is_newer(sign, runs.sign)) {
-    runs.sign = sign;
-    runs.signed_at = now;
-    runs.defended = now;
-  }
+  if (runs.measure.value == 0) runs.measure = {sign, now};
+  if (runs.sign == 0 || is_newer(sign, runs.sign)) believe(runs, sign, now);
   return true;
+}
+
+/// One that is behind may be late or recorded. Where the robot has told its sign before, what others told is too great
+/// by little, and the time makes up for it.
+bool LivingRuns::said_alive(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now) {
+  if (!told(robot, boot, now)) return false;
+  Runs& runs = robots_.at(robot);
+  const bool behind = runs.sign != 0 && is_newer(runs.sign, sign);
+  const bool disputed = !runs.measured_itself || now - runs.defended >= kHeardRecently;
+  if (behind && !(disputed && goes_on(runs.said_below, sign, now))) return true;
+  runs.measure = {sign, now};
+  runs.measured_itself = true;
+  runs.said_below = {};
+  if (sign != runs.sign) believe(runs, sign, now);
+  return true;
+}
+
+std::uint32_t LivingRuns::credible(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now) const {
+  const auto found = robots_.find(robot);
+  if (found == robots_.end() || found->second.boot != boot || found->second.measure.value == 0) return sign;
+  const Runs& runs = found->second;
+  const Time margin = now - runs.heard < kHeardRecently ? kBeaconDelay : kRumorDelay;
+  const auto growth = (now - runs.measure.at + margin) / std::chrono::seconds(1);
+  const std::uint32_t most = runs.measure.value + static_cast<std::uint32_t>(growth);
+  return is_newer(sign, most) ? most : sign;
+}
+
+bool LivingRuns::goes_on_below(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now) {
+  const auto found = robots_.find(robot);
+  if (found == robots_.end() || found->second.boot != boot) return false;
+  Runs& runs = found->second;
+  if (now - runs.defended < kHeardRecently || !goes_on(runs.below, sign, now)) return false;
+  runs.measure = {sign, now};
+  runs.measured_itself = false;
+  believe(runs, sign, now);
+  return true;
+}
+
+/// Signs below the one believed have grown with time.
+bool LivingRuns::goes_on(Sign& below, std::uint32_t sign, Time now) {
+  if (below.value == 0 || now - below.at >= kRumorDelay) {
+    below = {sign, now};
+    return false;
+  }
+  const std::chrono::seconds grown(static_cast<std::int32_t>(sign - below.value));
+  return grown <= now - below.at + kBeaconDelay && is_newer(sign, below.value + kSecondsThatProveLife);
+}
+
+void LivingRuns::believe(Runs& runs, std::uint32_t sign, Time now) {
+  runs.sign = sign;
+  runs.signed_at = now;
+  runs.defended = now;
+  runs.below = {};
 }
 
 bool LivingRuns::lives(const MacAddress& robot, wire::BootTag boot) const {
@@ -83,6 +133,11 @@ std::uint32_t LivingRuns::life_sign(const MacAddress& robot) const {
 std::uint32_t LivingRuns::life_sign(const MacAddress& robot, wire::BootTag boot) const {
   const auto found = robots_.find(robot);
   return found == robots_.end() || found->second.boot != boot ? 0 : found->second.sign;
+}
+
+bool LivingRuns::heard_lately(const MacAddress& robot, Time now) const {
+  const auto found = robots_.find(robot);
+  return found != robots_.end() && now - found->second.heard < kHeardRecently;
 }
 
 /// News only get later, so none is forgotten before the oldest of the last look is due.
@@ -148,6 +203,10 @@ void LivingRuns::displace(Runs& runs, wire::BootTag boot) {
   runs.boot = boot;
   runs.sign = next.sign;
   runs.signed_at = next.signed_at;
+  runs.measure = {next.sign, next.signed_at};
+  runs.measured_itself = false;
+  runs.below = {};
+  runs.said_below = {};
   runs.counter = next.counter;
   runs.reinstated = false;
   runs.heard = -kHeardRecently;

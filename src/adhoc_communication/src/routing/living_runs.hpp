@@ -13,6 +13,11 @@ namespace adhoc_communication::routing {
 /// a run heard within kHeardRecently is not displaced by what others tell. Of runs only told of, the newer one counts,
 /// until the other one goes on to raise its life sign; such a run is then not displaced without need a second time.
 ///
+/// A life sign that others tell grows with time only: by a little more than has passed since the first one, or since
+/// the robot itself was last heard to tell one. A greater one counts as the greatest that is possible. One that was
+/// told too great in the beginning gives way to signs below it that go on to grow, of the robot itself or, while nobody
+/// raises the great one, of others.
+///
 /// What an ended run has sent can be played back to robots that did not hear it then. But a life sign grows once a
 /// second for as long as the run lives, so what is played back is behind by as much as it was delayed.
 ///
@@ -36,14 +41,23 @@ class LivingRuns {
   bool heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now);
   /// Somebody says that this run of the robot did something. False if that is not to be believed.
   bool told(const MacAddress& robot, wire::BootTag boot, Time now);
-  /// As told(), with a life sign.
+  /// As told(), with a life sign, which is believed if it is greater than the one before. To be given as credible().
   bool told_alive(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now);
+  /// The robot itself says so, in a frame that was heard().
+  bool said_alive(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now);
+  /// What others tell, or the greatest life sign that the run can have.
+  std::uint32_t credible(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now) const;
+  /// Others tell of a sign below the one believed. True if it takes its place: such signs have grown with time while
+  /// the one believed was not raised.
+  bool goes_on_below(const MacAddress& robot, wire::BootTag boot, std::uint32_t sign, Time now);
 
   bool lives(const MacAddress& robot, wire::BootTag boot) const;
   /// The greatest life sign of the run that lives; 0 if none is known.
   std::uint32_t life_sign(const MacAddress& robot) const;
   /// The same of this run; 0 if it does not live.
   std::uint32_t life_sign(const MacAddress& robot, wire::BootTag boot) const;
+  /// A frame of the robot itself came within kHeardRecently.
+  bool heard_lately(const MacAddress& robot, Time now) const;
   void expire(Time now);
   std::size_t size() const { return robots_.size(); }
 
@@ -56,9 +70,17 @@ class LivingRuns {
     Time alive_at{0};           ///< when its own frames last showed that they are not recorded
     int frames = 0;             ///< heard since it is a former one
   };
+  struct Sign {
+    std::uint32_t value = 0;  ///< 0: none
+    Time at{0};
+  };
   struct Runs {
     wire::BootTag boot = 0;  ///< the one that lives
     std::uint32_t sign = 0;
+    Sign measure;                  ///< by which greater ones are credible or not
+    bool measured_itself = false;  ///< the robot itself told that one
+    Sign below;                    ///< told by others while a greater one was believed, and not raised
+    Sign said_below;               ///< by the robot itself while a greater one was believed
     std::uint64_t counter = 0;
     Time heard = -kHeardRecently;  ///< itself
     Time signed_at{0};
@@ -70,6 +92,8 @@ class LivingRuns {
 
   Runs& runs_of(const MacAddress& robot, wire::BootTag boot, Time now);
   void make_room(Time now);
+  static bool goes_on(Sign& below, std::uint32_t sign, Time now);
+  static void believe(Runs& runs, std::uint32_t sign, Time now);
   static FormerRun* former(Runs& runs, wire::BootTag boot);
   static bool in_step(FormerRun& run, std::uint32_t sign, Time delay, Time now);
   static void forget_one(Runs& runs);

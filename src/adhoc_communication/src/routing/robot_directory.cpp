@@ -1,6 +1,7 @@
 #include "routing/robot_directory.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "routing/sequence_number.hpp"
@@ -13,30 +14,31 @@ constexpr Time kForget = std::chrono::seconds(60);  ///< how long a lost robot i
 }  // namespace
 
 bool RobotDirectory::learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops,
-                           Time now) {
-  Robot* robot = admit(address, name, boot, now);
-  if (robot == nullptr) return false;
-  set_hops(*robot, hops);
-  return true;
+                           const MacAddress& from, Time now) {
+  return admit(address, name, boot, hops, from, now) != nullptr;
 }
 
 void RobotDirectory::life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot,
-                               std::uint32_t alive, std::uint8_t hops, std::optional<MacAddress> teller, Time now) {
+                               std::uint32_t alive, std::uint8_t hops, const MacAddress& from, bool good_link,
+                               Time now) {
   const std::uint32_t before = runs_.life_sign(address, boot);
-  if (hops > 1 && before != 0 && !is_newer(alive, before)) {
+  const bool itself = hops == 1;
+  if (!itself) alive = runs_.credible(address, boot, alive, now);
+  if (!itself && before != 0 && !is_newer(alive, before)) {
     const auto known = robots_.find(address);
     // A nearer witness of the same life sign shortens the distance; it is no news of life.
     if (known != robots_.end() && known->second.boot == boot) {
-      if (alive == before) heard_again(known->second, alive, hops, teller);
-      return;
+      if (alive == before) heard_again(known->second, alive, hops, from, good_link);
+      if (alive == before || !runs_.goes_on_below(address, boot, alive, now)) return;
     }
   }
-  if (!runs_.told_alive(address, boot, alive, now)) return;
-  Robot* robot = admit(address, name, boot, now);
+  if (!has_room(address, from, now)) return;
+  const bool lives = itself ? runs_.said_alive(address, boot, alive, now) : runs_.told_alive(address, boot, alive, now);
+  if (!lives) return;
+  Robot* robot = admit(address, name, boot, hops, from, now);
   if (robot == nullptr) return;
   if (runs_.life_sign(address) != before) robot->spreads_left = kSpreads;
-  if (teller) robot->teller = teller, robot->told = alive;
-  set_hops(*robot, hops);
+  if (good_link) robot->teller = from, robot->told = alive;
 }
 
 void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time now) {
@@ -44,9 +46,9 @@ void RobotDirectory::traffic(const MacAddress& address, wire::BootTag boot, Time
   if (found != robots_.end() && found->second.boot == boot && found->second.announced) found->second.last_news = now;
 }
 
-void RobotDirectory::heard_again(Robot& robot, std::uint32_t alive, std::uint8_t hops,
-                                 const std::optional<MacAddress>& teller) {
-  if (teller && robot.told != alive) robot.teller = teller, robot.told = alive;
+void RobotDirectory::heard_again(Robot& robot, std::uint32_t alive, std::uint8_t hops, const MacAddress& from,
+                                 bool good_link) {
+  if (good_link && robot.told != alive) robot.teller = from, robot.told = alive;
   if (hops < robot.hops) set_hops(robot, hops);
 }
 
@@ -91,8 +93,7 @@ void RobotDirectory::expire(Time now) {
     Robot& robot = iterator->second;
     if (robot.announced && now - robot.last_news >= patience(robot)) fall_silent(robot, iterator->first);
     if (!robot.announced && now - robot.last_news >= kForget) {
-      forget_name(robot, iterator->first);
-      iterator = robots_.erase(iterator);
+      iterator = remove(iterator);
     } else {
       ++iterator;
     }
@@ -170,15 +171,19 @@ void RobotDirectory::fall_silent(Robot& robot, const MacAddress& address) {
 
 std::vector<DirectoryChange> RobotDirectory::take_changes() { return std::exchange(changes_, {}); }
 
-Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now) {
-  if (!runs_.lives(address, boot)) return nullptr;
+Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops,
+                             const MacAddress& from, Time now) {
+  if (!runs_.lives(address, boot) || !has_room(address, from, now)) return nullptr;
+  const MacAddress bringer = address == from ? MacAddress{} : from;
   auto found = robots_.find(address);
   if (found == robots_.end()) {
-    if (robots_.size() >= kMostRobots) return nullptr;
+    if (is_full(bringer)) remove(in_whose_place(bringer, now));
     found = robots_.emplace(address, Robot{}).first;
     found->second.boot = boot;
     found->second.name = name;
     by_name_[name].insert(address);
+    ++brought_[bringer];
+    found->second.brought_by = bringer;
   }
   Robot& robot = found->second;
   if (robot.boot != boot || robot.name != name) {
@@ -192,7 +197,78 @@ Robot* RobotDirectory::admit(const MacAddress& address, const std::string& name,
   }
   robot.last_news = now;
   if (!robot.announced) appear(robot, address, now);
+  set_hops(robot, hops);
+  const bool drove_away = robot.brought_by == MacAddress{} && !runs_.heard_lately(address, now);
+  if (bringer == MacAddress{} || drove_away) set_brought_by(robot, bringer);
   return &robot;
+}
+
+bool RobotDirectory::is_full(const MacAddress& bringer) const {
+  const std::size_t most = bringer == MacAddress{} ? kMostHeard : kMostOfATeller;
+  return robots_.size() >= kMostRobots || brought_by(bringer) >= most;
+}
+
+bool RobotDirectory::has_room(const MacAddress& address, const MacAddress& from, Time now) {
+  const MacAddress bringer = address == from ? MacAddress{} : from;
+  return robots_.count(address) != 0 || !is_full(bringer) || in_whose_place(bringer, now) != robots_.end();
+}
+
+/// When it is full for that bringer; the end if nobody gives way.
+RobotDirectory::Robots::iterator RobotDirectory::in_whose_place(const MacAddress& bringer, Time now) {
+  const bool itself = bringer == MacAddress{};
+  const auto is_of = [](const MacAddress& whose) {
+    return [whose](const Robot& robot) { return robot.brought_by == whose; };
+  };
+  if (brought_by(bringer) >= (itself ? kMostHeard : kMostOfATeller)) {
+    const auto own = least(is_of(bringer), now);
+    return itself || !own->second.announced ? own : robots_.end();
+  }
+  const auto lost = least([](const Robot& robot) { return !robot.announced; }, now);
+  if (lost != robots_.end() || !itself) return lost;
+  const auto greediest = std::max_element(brought_.begin(), brought_.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.first != MacAddress{}, a.second) < std::pair(b.first != MacAddress{}, b.second);
+  });
+  return least(is_of(greediest->first), now);
+}
+
+/// A lost one, else one that was not heard itself lately, the farthest of these, else the one without news for longest.
+template <typename Predicate>
+RobotDirectory::Robots::iterator RobotDirectory::least(Predicate candidate, Time now) {
+  const auto worth = [&](Robots::iterator robot) {
+    const auto& [address, state] = *robot;
+    return std::tuple(state.announced, runs_.heard_lately(address, now), -state.hops, state.last_news);
+  };
+  auto least = robots_.end();
+  for (auto robot = robots_.begin(); robot != robots_.end(); ++robot) {
+    if (candidate(robot->second) && (least == robots_.end() || worth(robot) < worth(least))) least = robot;
+  }
+  return least;
+}
+
+std::size_t RobotDirectory::brought_by(const MacAddress& bringer) const {
+  const auto found = brought_.find(bringer);
+  return found == brought_.end() ? 0 : found->second;
+}
+
+void RobotDirectory::set_brought_by(Robot& robot, const MacAddress& bringer) {
+  if (robot.brought_by == bringer) return;
+  forget_bringer(robot);
+  ++brought_[bringer];
+  robot.brought_by = bringer;
+}
+
+void RobotDirectory::forget_bringer(const Robot& robot) {
+  const auto bringer = brought_.find(robot.brought_by);
+  if (--bringer->second == 0) brought_.erase(bringer);
+}
+
+/// Returns the robot behind it.
+RobotDirectory::Robots::iterator RobotDirectory::remove(Robots::iterator robot) {
+  auto& [address, state] = *robot;
+  if (state.announced) fall_silent(state, address);
+  forget_name(state, address);
+  forget_bringer(state);
+  return robots_.erase(robot);
 }
 
 }  // namespace adhoc_communication::routing

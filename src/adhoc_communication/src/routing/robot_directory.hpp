@@ -25,6 +25,7 @@ struct Robot {
   int spreads_left = 0;              ///< beacons that still carry the latest life sign
   std::optional<MacAddress> teller;  ///< neighbour that brought the latest life sign over a good link
   std::uint32_t told = 0;            ///< that life sign
+  MacAddress brought_by{};           ///< neighbour that told of it first; all zero if it was heard itself since
 };
 
 struct DirectoryChange {
@@ -35,21 +36,28 @@ struct DirectoryChange {
 };
 
 /// A rumour is news only if it carries a greater life sign than known. Nobody but the robot itself raises that sign, so
-/// a lost robot's rumours die out instead of being counted up to infinity. At most kMostRobots; when full, new ones are
-/// not taken in until a robot is lost.
+/// a lost robot's rumours die out instead of being counted up to infinity.
+///
+/// At most kMostRobots, of these kMostHeard that are heard themselves, and kMostOfATeller that one neighbour has
+/// brought. Where there is no more room, lost ones make it. A robot that is heard itself else takes the place of the
+/// one heard longest ago where these are too many, or of one only told of, by the neighbour that has brought most; one
+/// that is told of is else not taken in.
 class RobotDirectory {
  public:
   static constexpr std::size_t kMostRobots = LivingRuns::kMostRobots;
+  static constexpr std::size_t kMostHeard = kMostRobots / 2;
+  static constexpr std::size_t kMostOfATeller = kMostRobots / 4;
   static constexpr int kSpreads = 3;  ///< beacons that repeat a life sign, against lost beacons
   static constexpr Time kSilence = std::chrono::seconds(5);
 
   RobotDirectory(LivingRuns& runs, std::string own_name) : runs_(runs), own_name_(std::move(own_name)) {}
 
-  /// False when another run of the robot lives, or the directory is full.
-  bool learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops, Time now);
-  /// As learn(), with a life sign; takes only news. `teller`: the neighbour that says so, over a good link.
+  /// A neighbour, `from`, says so. False when another run of the robot lives, or there is no room for it.
+  bool learn(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops,
+             const MacAddress& from, Time now);
+  /// As learn(), with a life sign; takes only news. `good_link`: that to the neighbour is.
   void life_sign(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint32_t alive,
-                 std::uint8_t hops, std::optional<MacAddress> teller, Time now);
+                 std::uint8_t hops, const MacAddress& from, bool good_link, Time now);
   /// Data of the robot arrived, so it lives.
   void traffic(const MacAddress& address, wire::BootTag boot, Time now);
 
@@ -76,8 +84,20 @@ class RobotDirectory {
   std::vector<std::string> take_taken_names() { return std::exchange(taken_names_, {}); }
 
  private:
-  void heard_again(Robot& robot, std::uint32_t alive, std::uint8_t hops, const std::optional<MacAddress>& teller);
-  Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, Time now);
+  using Robots = AddressMap<Robot>;
+
+  void heard_again(Robot& robot, std::uint32_t alive, std::uint8_t hops, const MacAddress& from, bool good_link);
+  Robot* admit(const MacAddress& address, const std::string& name, wire::BootTag boot, std::uint8_t hops,
+               const MacAddress& from, Time now);
+  bool is_full(const MacAddress& bringer) const;
+  bool has_room(const MacAddress& address, const MacAddress& from, Time now);
+  Robots::iterator in_whose_place(const MacAddress& bringer, Time now);
+  template <typename Predicate>
+  Robots::iterator least(Predicate candidate, Time now);
+  std::size_t brought_by(const MacAddress& bringer) const;
+  void set_brought_by(Robot& robot, const MacAddress& bringer);
+  void forget_bringer(const Robot& robot);
+  Robots::iterator remove(Robots::iterator robot);
   static Time patience(const Robot& robot) { return kSilence + (robot.hops - 1) * std::chrono::seconds(2); }
 
   const Robot* namesake(const Robot& robot) const;
@@ -89,7 +109,8 @@ class RobotDirectory {
   bool is_taken(const std::string& name, const std::set<MacAddress>& bearers) const;
 
   LivingRuns& runs_;
-  AddressMap<Robot> robots_;
+  Robots robots_;
+  std::map<MacAddress, std::size_t> brought_;            ///< how many, by who has brought them
   std::map<std::string, std::set<MacAddress>> by_name_;  ///< more than one if a robot has got another radio
   std::vector<DirectoryChange> changes_;
   const std::string own_name_;

@@ -13,18 +13,36 @@ RouteDiscovery::RouteDiscovery(const EngineOptions& options, Random& random)
                                             : std::min(options.hop_limit_max, timings_.net_diameter)),
       increment_(std::max(1, options.hop_limit_increment)),
       tries_per_ring_(options.num_rreq),
-      rate_limit_(timings_.request_rate_limit) {
+      rate_limit_(timings_.request_rate_limit),
+      others_limit_(std::max(1, timings_.request_rate_limit / 2)) {
   first_ring_ = std::min(first_ring_, last_ring_);
 }
 
 void RouteDiscovery::search(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now) {
-  if (searching(target)) return;
+  if (searching(target)) {
+    searches_.at(key(target)).for_others = false;
+    return;
+  }
   end_exchange(target);
   if (searches_.size() >= kMostSearches) {
     failures_.push_back({target, Time(0), false});
     return;
   }
+  begin(target, last_hops, told_hops, false, now);
+}
+
+bool RouteDiscovery::search_for_others(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now) {
+  if (searching(target)) return true;
+  end_exchange(target);
+  if (!has_room_for_others()) return false;
+  begin(target, last_hops, told_hops, true, now);
+  return true;
+}
+
+void RouteDiscovery::begin(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, bool for_others,
+                           Time now) {
   Search search{target, now, now, first_ring_};
+  search.for_others = for_others;
   // Section 6.4: the ring for a lost route starts a little beyond its former length.
   if (last_hops > 0) search.hop_limit = std::clamp(last_hops + increment_, first_ring_, last_ring_);
   search.told_hops = told_hops;
@@ -42,12 +60,33 @@ bool RouteDiscovery::exchange(const MacAddress& destination, std::uint32_t seque
 bool RouteDiscovery::once(const MacAddress& destination, int hop_limit, std::optional<std::uint32_t> newer_than,
                           Time now) {
   const Target target{destination, {}};
-  if (searching(target) || searches_.size() >= kMostSearches || rate_limit_.free_at(now) > now) return false;
+  if (searching(target) || !has_room_for_others() || rate_limit_.free_at(now) > now) return false;
   end_exchange(target);
   Search search{target, now, now, std::min(hop_limit, last_ring_), 0, !newer_than};
   search.newer_than = newer_than;
+  search.for_others = true;
   searches_.emplace(key(target), search);
   return true;
+}
+
+bool RouteDiscovery::has_room_for_others() const {
+  return searches_.size() < kMostSearches && searches_for_others() < kMostForOthers;
+}
+
+std::size_t RouteDiscovery::searches_for_others() const {
+  const auto counts = [](const auto& item) { return item.second.for_others; };
+  return static_cast<std::size_t>(std::count_if(searches_.begin(), searches_.end(), counts));
+}
+
+Time RouteDiscovery::free_at(const Search& search, Time now) const {
+  const Time free = rate_limit_.free_at(now);
+  return half_of_limit(search) ? std::max(free, others_limit_.free_at(now)) : free;
+}
+
+bool RouteDiscovery::take(const Search& search, Time now) {
+  if (free_at(search, now) > now) return false;
+  if (half_of_limit(search)) others_limit_.take(now);
+  return rate_limit_.take(now);
 }
 
 void RouteDiscovery::end_exchange(const Target& target) {
@@ -78,7 +117,7 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(const std::function<std::
       if (search.due > now) {
         steps.push_back({search.target, static_cast<std::uint8_t>(search.hop_limit), false, search.newer_than});
       } else {
-        search.due = rate_limit_.free_at(now);
+        search.due = free_at(search, now);
       }
       ++iterator;
     }
@@ -118,7 +157,7 @@ bool RouteDiscovery::advance(Search& search, Time now) {
     search.tries = 0;
     return advance(search, now);
   }
-  if (!rate_limit_.take(now)) return true;
+  if (!take(search, now)) return true;
   // Section 6.3: binary exponential backoff at full reach; section 6.4: ring traversal time before.
   const Time wait = last ? timings_.route_request_wait * (1 << std::min(search.tries, 10))
                          : timings_.ring_traversal_time(search.hop_limit);

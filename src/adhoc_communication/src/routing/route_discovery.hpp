@@ -28,12 +28,15 @@ struct DiscoveryFailure {
   bool repair = false;
 };
 
-/// At most kMostSearches at once; further ones fail at once. A request is repeated up to a quarter of its wait late
-/// (jitter of RFC 5148): robots that do not hear each other and began to search at the same moment would otherwise
-/// repeat in step, and collide each time. When the search is given up does not change by that.
+/// At most kMostSearches at once; further ones fail at once. Of these, kMostForOthers at most are not for the robot's
+/// own packets: repairs, exchanges, and ways to sources of packets, which get half of the requests at most. A request
+/// is repeated up to a quarter of its wait late (jitter of RFC 5148): robots that do not hear each other and began to
+/// search at the same moment would otherwise repeat in step, and collide each time. When the search is given up does
+/// not change by that.
 class RouteDiscovery {
  public:
   static constexpr std::size_t kMostSearches = 64;
+  static constexpr std::size_t kMostForOthers = kMostSearches / 4;
   static constexpr int kJitterShare = 4;  ///< of the wait: the first part of so many
   static constexpr int kDetour = 2;       ///< hops more than told of
   /// RING_TRAVERSAL_TIMEs for an answer to a directed request: hops repeat it, which a flood does not wait for, and a
@@ -63,6 +66,8 @@ class RouteDiscovery {
   /// `told_hops`: length of a way that is told of, 0 if there is none; the first request goes along it alone, which
   /// costs no flood and is not limited as these are.
   void search(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now);
+  /// The same for what another robot has sent. False, and no failure is kept, unless that can be tried.
+  bool search_for_others(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, Time now);
   /// Section 6.12: one request, a little farther than the destination was. False unless that can be tried.
   bool repair(const MacAddress& destination, int hop_limit, Time now);
   /// For a route of that number, which works: one request for a newer one. It ends without a word if there is none, and
@@ -82,6 +87,7 @@ class RouteDiscovery {
   std::vector<Ended> take_ended() { return std::exchange(ended_, {}); }
   Time next_deadline() const;
   std::size_t searches() const { return searches_.size(); }
+  std::size_t searches_for_others() const;
   /// An exchange is none: there is a route.
   bool searching(const Target& target) const {
     const auto found = searches_.find(key(target));
@@ -96,6 +102,7 @@ class RouteDiscovery {
     int hop_limit = 0;
     int tries = 0;  ///< at this hop limit
     bool repair = false;
+    bool for_others = false;
     std::uint8_t told_hops = 0;                    ///< of the way to be tried first
     std::optional<std::uint32_t> newer_than = {};  ///< an exchange, of a route with that number
     int requests = 0;
@@ -109,6 +116,13 @@ class RouteDiscovery {
   void end(const Search& search) {
     ended_.push_back({search.target, search.started, search.requests, search.replies, search.last_request});
   }
+  void begin(const Target& target, std::uint8_t last_hops, std::uint8_t told_hops, bool for_others, Time now);
+  bool has_room_for_others() const;
+  /// A repair or an exchange is one request.
+  static bool half_of_limit(const Search& search) { return search.for_others && !search.repair && !search.newer_than; }
+  /// When a request of it may go.
+  Time free_at(const Search& search, Time now) const;
+  bool take(const Search& search, Time now);
   bool once(const MacAddress& destination, int hop_limit, std::optional<std::uint32_t> newer_than, Time now);
   void end_exchange(const Target& target);
   bool advance(Search& search, Time now);
@@ -123,6 +137,7 @@ class RouteDiscovery {
   int increment_;
   int tries_per_ring_;
   RateLimit rate_limit_;
+  RateLimit others_limit_;
   std::map<Key, Search> searches_;
   std::vector<DiscoveryFailure> failures_;
   std::vector<Ended> ended_;

@@ -28,7 +28,7 @@ void Router::on_reply(const MacAddress& from, wire::RouteReply reply, Time now) 
   const bool updated = routes_.update({reply.destination, reply.destination_boot, reply.destination_sequence,
                                        reply.hop_count, reply.cost, from, now + life, neighbors_.cost(from)});
   if (updated)
-    directory_.learn(reply.destination, reply.destination_name, reply.destination_boot, reply.hop_count, now);
+    directory_.learn(reply.destination, reply.destination_name, reply.destination_boot, reply.hop_count, from, now);
   if (reply.originator == self_.address) return finish_searches(now);
   if (worth_forwarding(reply, updated, from, now)) forward_reply(std::move(reply), now);
 }

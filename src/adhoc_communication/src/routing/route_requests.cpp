@@ -47,7 +47,7 @@ void Router::on_request(const MacAddress& from, wire::RouteRequest request, Time
   // A later copy counts only if it came a cheaper way.
   if (is_destination(request)) record_arrival(request, from, first || better, now);
   if (!first && !better) return;
-  directory_.learn(request.originator, request.originator_name, request.originator_boot, request.hop_count, now);
+  directory_.learn(request.originator, request.originator_name, request.originator_boot, request.hop_count, from, now);
   if (is_destination(request)) return answer_as_destination(request, from, first, now);
   if (!answer_from_table(request, from, now)) forward_request(std::move(request), from, now);
 }

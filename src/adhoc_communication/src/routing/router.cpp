@@ -24,8 +24,18 @@ Router::Router(const Identity& self, const EngineOptions& options, Neighbors& ne
 
 void Router::search(const Target& target, Time now) {
   routes_.keep(target.address, now);
+  discovery_.search(target, last_hops(target), hops_told(target, now), now);
+}
+
+bool Router::search_for_others(const Target& target, Time now) {
+  routes_.keep(target.address, now);
+  return discovery_.search_for_others(target, last_hops(target), hops_told(target, now), now);
+}
+
+/// Length of the route there was; 0 if there was none.
+std::uint8_t Router::last_hops(const Target& target) const {
   const Route* former = routes_.find(target.address);
-  discovery_.search(target, former == nullptr ? 0 : former->hops, hops_told(target, now), now);
+  return former == nullptr ? std::uint8_t{0} : former->hops;
 }
 
 /// Length of the way to the target that life signs came; 0 if none is known, or it is not to be tried.

@@ -30,6 +30,7 @@ class Router {
   std::uint32_t own_sequence() const { return own_sequence_; }
   const RouteTable& table() const { return routes_; }
   std::size_t searches() const { return discovery_.searches(); }
+  std::size_t searches_for_others() const { return discovery_.searches_for_others(); }
   std::size_t requests_remembered() const { return flood_.remembered(); }
   const Route* route_to(const MacAddress& destination, Time now) const { return routes_.usable(destination, now); }
   std::set<MacAddress> take_changed_routes() { return routes_.take_changed(); }
@@ -37,6 +38,8 @@ class Router {
 
   /// Section 6.3: data is due and there is no route.
   void search(const Target& target, Time now);
+  /// A way to another robot is wanted for what it, or somebody in its name, has sent. False if that cannot be tried.
+  bool search_for_others(const Target& target, Time now);
   /// One request of small reach, as for a repair: for a way that only has to lead round somebody. False if that cannot
   /// be tried now.
   bool search_nearby(const MacAddress& destination, Time now);
@@ -78,6 +81,7 @@ class Router {
   bool answer_from_table(const wire::RouteRequest& request, const MacAddress& to, Time now);
   void answer_gratuitously(const wire::RouteRequest& request, const Route& to_destination, Time now);
   void forward_request(wire::RouteRequest request, const MacAddress& from, Time now);
+  std::uint8_t last_hops(const Target& target) const;
   std::uint8_t hops_told(const Target& target, Time now) const;
   std::optional<MacAddress> way_told(const MacAddress& destination, Time now) const;
   void look_for_better(const Route& route, Time now);

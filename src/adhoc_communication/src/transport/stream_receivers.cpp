@@ -55,7 +55,7 @@ void StreamReceivers::acknowledge(Time now) {
 void StreamReceivers::acknowledge(const MacAddress& source, StreamReceiver& receiver, std::size_t stream, Time now) {
   const routing::Route* route = router_.route_to(source, now);
   if (route == nullptr) {
-    router_.search({source, {}}, now);
+    if (!router_.search_for_others({source, {}}, now)) return receiver.forgo(stream);
     return receiver.postpone(stream, now + kUntilRoute);
   }
   wire::TransportAcknowledgment acknowledgment = receiver.acknowledge(stream);

@@ -34,6 +34,18 @@ class Insider {
     header.next_hop = wire::kEverybody;
     team_.engine(robot).receive({wire::kEverybody, host_.address, guard_.close(header, body)}, team_.now());
   }
+  /// Something to that robot alone which it owes an acknowledgment for, at once.
+  void demand_acknowledgment(std::size_t robot) {
+    wire::FrameHeader header;
+    header.type = wire::FrameType::kRouteReplyAcknowledgment;
+    header.flags = wire::kWantsAcknowledgment | wire::kAcknowledgeNow;
+    header.sender = host_.address;
+    header.boot_id = host_.boot_id;
+    header.counter = ++counter_;
+    header.next_hop = Team::address(robot);
+    header.link_sequence = ++link_sequence_;
+    team_.engine(robot).receive({header.next_hop, host_.address, guard_.close(header, {})}, team_.now());
+  }
   template <typename Message>
   void say(std::size_t robot, const Message& message) {
     say(robot, Kind<Message>::kType, wire::to_bytes(message));
@@ -57,6 +69,7 @@ class Insider {
   FramesDropped dropped_;
   security::FrameGuard guard_;
   std::uint64_t counter_ = 0;
+  std::uint32_t link_sequence_ = 0;
   std::uint16_t number_ = 0;
 };
 

@@ -80,6 +80,28 @@ TEST(DirectedRequests, ASearchForARobotThatLivesGoesOn) {
   }
 }
 
+/// Packets of sources that nobody knows took all of the room for searches, and all requests.
+TEST(RouteDiscovery, WhatOthersCauseLeavesRoomAndRequests) {
+  const EngineOptions options;
+  Random random(1);
+  routing::RouteDiscovery discovery(options, random);
+  const auto untold = [](const routing::Target&) { return std::uint8_t{0}; };
+  std::size_t begun = 0;
+  for (std::size_t i = 0; i < 64; ++i)
+    begun += discovery.search_for_others({make_host(i).address, {}}, 0, 0, 0s) ? 1 : 0;
+  EXPECT_EQ(begun, routing::RouteDiscovery::kMostForOthers);
+  EXPECT_FALSE(discovery.repair(Team::address(1), 3, 0s));
+  EXPECT_TRUE(discovery.take_failures().empty());
+  const std::size_t limit = static_cast<std::size_t>(options.timings.request_rate_limit);
+  EXPECT_EQ(discovery.poll(untold, 0s).size(), limit / 2);
+  for (std::size_t i = 0; i < limit / 2; ++i) discovery.search({make_host(100 + i).address, {}}, 0, 0, 1ms);
+  EXPECT_EQ(discovery.poll(untold, 1ms).size(), limit - limit / 2) << "the other half is for own packets";
+  discovery.search({make_host(0).address, {}}, 0, 0, 1ms);
+  EXPECT_EQ(discovery.searches_for_others(), routing::RouteDiscovery::kMostForOthers - 1) << "it is an own one now";
+  for (std::size_t i = 200; i < 300; ++i) discovery.search({make_host(i).address, {}}, 0, 0, 1ms);
+  EXPECT_EQ(discovery.searches(), routing::RouteDiscovery::kMostSearches);
+}
+
 /// Hops that repeat the request or the answer make it slow, and a flood would only be in their way.
 TEST(DirectedRequests, TheFloodWaitsForAnswersThatHopsHaveToRepeat) {
   const EngineOptions options;

@@ -140,6 +140,62 @@ TEST(LivingRuns, AFarRobotIsDisplacedWronglyOnce) {
   EXPECT_LE(silent_until, 5s);
 }
 
+/// One forged sign made all true ones old.
+TEST(LivingRuns, WhatOthersTellGrowsWithTimeOnly) {
+  LivingRuns runs;
+  EXPECT_EQ(runs.credible(kRobot, kLiving, 1000, 10s), 1000u) << "nothing is known";
+  runs.told_alive(kRobot, kLiving, 100, 10s);
+  EXPECT_EQ(runs.credible(kRobot, kLiving, 115, 15s), 115u) << "it may have been late";
+  EXPECT_EQ(runs.credible(kRobot, kLiving, 116, 15s), 115u);
+  for (int i = 0; i < 5; ++i) runs.told_alive(kRobot, kLiving, runs.credible(kRobot, kLiving, 0x40000000, 20s), 20s);
+  EXPECT_EQ(runs.life_sign(kRobot), 120u) << "however often it is told";
+  runs.heard(kRobot, kLiving, 1, 30s);
+  runs.said_alive(kRobot, kLiving, 121, 30s);
+  EXPECT_EQ(runs.credible(kRobot, kLiving, 122, 30s), 122u);
+  EXPECT_EQ(runs.credible(kRobot, kLiving, 200, 31s), 124u) << "of who is heard itself, little is to be told";
+  EXPECT_EQ(runs.credible(kRobot, kForged, 200, 31s), 200u) << "of another run";
+}
+
+TEST(LivingRuns, AFirstSignThatWasTooGreatGivesWayToThoseThatGoOn) {
+  LivingRuns runs;
+  runs.told_alive(kRobot, kLiving, 0x40000000, 10s);
+  std::uint32_t sign = 5;
+  Time now = 11s;
+  for (; now < 30s && !runs.goes_on_below(kRobot, kLiving, sign, now); now += 1s) ++sign;
+  EXPECT_LE(now, 16s);
+  EXPECT_EQ(runs.life_sign(kRobot), sign);
+  EXPECT_EQ(runs.credible(kRobot, kLiving, 0x40000000, now), sign + 10);
+}
+
+TEST(LivingRuns, AGreatSignThatIsRaisedGivesWayToTheRobotItselfAlone) {
+  LivingRuns runs;
+  for (std::uint32_t second = 0; second < 8; ++second) {
+    const Time now = 10s + second * 1s;
+    runs.told_alive(kRobot, kLiving, 1000 + second, now);
+    EXPECT_FALSE(runs.goes_on_below(kRobot, kLiving, 1 + second, now)) << second;
+  }
+  runs.heard(kRobot, kLiving, 1, 18s);
+  for (std::uint32_t second = 8; second < 12; ++second) {
+    const Time now = 10s + second * 1s;
+    runs.told_alive(kRobot, kLiving, runs.credible(kRobot, kLiving, 1000 + second, now), now);
+    EXPECT_TRUE(runs.said_alive(kRobot, kLiving, 1 + second, now));
+  }
+  EXPECT_EQ(runs.life_sign(kRobot), 12u);
+}
+
+/// Behind it lies a robot that has its news from here.
+TEST(LivingRuns, ALateSignOfTheRobotItselfDoesNotReplaceWhatIsKnown) {
+  LivingRuns runs;
+  runs.heard(kRobot, kLiving, 1, 10s);
+  runs.said_alive(kRobot, kLiving, 100, 10s);
+  for (std::uint32_t second = 1; second <= 9; ++second)
+    runs.told_alive(kRobot, kLiving, 100 + second, 10s + second * 1s);
+  runs.heard(kRobot, kLiving, 2, 19s);
+  EXPECT_TRUE(runs.said_alive(kRobot, kLiving, 101, 19s));
+  EXPECT_EQ(runs.life_sign(kRobot), 109u);
+  EXPECT_EQ(runs.credible(kRobot, kLiving, 110, 20s), 110u);
+}
+
 TEST(LivingRuns, AreBoundedAndThoseHeardStay) {
   LivingRuns runs;
   runs.heard(kRobot, kLiving, 1, 10s);

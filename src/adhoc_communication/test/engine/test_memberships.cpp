@@ -16,10 +16,11 @@ using namespace std::chrono_literals;
 using Kind = Word::Kind;
 
 constexpr char kGroup[] = "mc_root";
+const MacAddress kRoot = {2, 0, 0, 0, 0, 1};
 
 struct Fixture {
   explicit Fixture(bool automatic) : memberships(directory, automatic, 10) {}
-  void root_is_heard(Time now) { directory.life_sign({2, 0, 0, 0, 0, 1}, "root", 1, ++alive, 1, std::nullopt, now); }
+  void root_is_heard(Time now) { directory.life_sign(kRoot, "root", 1, ++alive, 1, kRoot, false, now); }
   std::vector<Kind> words() {
     std::vector<Kind> kinds;
     for (const Word& word : memberships.take_words()) kinds.push_back(word.kind);
@@ -105,7 +106,7 @@ struct Crowd : Fixture {
   Crowd() : Fixture(true) {
     for (int i = 1; i <= kRoots; ++i) {
       const MacAddress address{2, 0, 0, 0, 1, static_cast<std::uint8_t>(i)};
-      directory.life_sign(address, "r" + std::to_string(i), 1, 1, static_cast<std::uint8_t>(i), std::nullopt, 1s);
+      directory.life_sign(address, "r" + std::to_string(i), 1, 1, static_cast<std::uint8_t>(i), kRoot, false, 1s);
     }
     for (int i = kRoots; i >= 1; --i) memberships.appeared("r" + std::to_string(i), 1s);
   }
