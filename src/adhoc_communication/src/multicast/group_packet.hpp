@@ -8,7 +8,8 @@
 
 namespace adhoc_communication::multicast {
 
-/// Blocks have at most kMostFramesOfBlock frames and are as equal in length as can be.
+/// Blocks have at most kMostFramesOfBlock frames and are as equal in length as can be. Memory grows by blocks, with
+/// what arrives.
 class GroupPacket {
  public:
   /// `total`: octets of the image.
@@ -17,11 +18,15 @@ class GroupPacket {
   GroupPacket(const GroupPacket&) = delete;
   GroupPacket& operator=(const GroupPacket&) = delete;
 
+  /// Of a packet of `total` octets.
+  static std::size_t count_blocks(std::uint32_t total, std::uint16_t segment_size);
+
   std::uint32_t total() const { return total_; }
   std::uint16_t segment_size() const { return segment_size_; }
   const std::vector<Block>& blocks() const { return blocks_; }
   bool complete() const { return open_blocks_ == 0; }
-  Bytes image() const { return Bytes(octets_.begin(), octets_.begin() + total_); }
+  /// The packet has to be complete.
+  Bytes image() const;
 
   /// All of it at once; false if the image has another size.
   bool fill(const Bytes& image);
@@ -35,10 +40,10 @@ class GroupPacket {
 
   std::uint32_t total_;
   std::uint16_t segment_size_;
-  std::size_t length_;  ///< of a symbol
-  Bytes octets_;
+  std::size_t length_ = 0;       ///< of a symbol
+  std::size_t last_length_ = 0;  ///< of the last frame, without padding
   std::vector<Block> blocks_;
-  std::size_t open_blocks_;
+  std::size_t open_blocks_ = 0;
 };
 
 }  // namespace adhoc_communication::multicast

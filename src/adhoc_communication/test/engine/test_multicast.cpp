@@ -74,6 +74,36 @@ TEST(GroupPacket, SizesAtTheEdgesOfFramesAndBlocks) {
   }
 }
 
+std::size_t octets_held(const GroupPacket& packet) {
+  std::size_t octets = 0;
+  for (const multicast::Block& block : packet.blocks()) octets += block.octets().size();
+  return octets;
+}
+
+/// Its first symbol made it take the memory for all of it, and parity came on top of that.
+TEST(GroupPacket, MemoryGrowsByBlocksWithWhatArrives) {
+  constexpr std::size_t kLength = 1300;
+  const Bytes image = noise(3 * multicast::kMostFramesOfBlock * kLength - 7);
+  const GroupPacket whole(image, kLength);
+  GroupPacket received(static_cast<std::uint32_t>(image.size()), kLength);
+  EXPECT_EQ(octets_held(received), 0u);
+  const int frames = whole.blocks()[1].frames();
+  for (int parity = 0; parity + 1 < frames; ++parity) {
+    EXPECT_TRUE(received.take(1, frames + parity, whole.symbol(1, frames + parity)));
+    EXPECT_FALSE(received.take(1, frames + parity, whole.symbol(1, frames + parity))) << "for the second time";
+    EXPECT_EQ(octets_held(received), static_cast<std::size_t>(frames) * kLength);
+  }
+  EXPECT_TRUE(received.take(1, 0, whole.symbol(1, 0)));
+  EXPECT_TRUE(received.blocks()[1].complete());
+  for (const std::size_t block : {std::size_t{0}, std::size_t{2}}) {
+    for (int frame = 0; frame < whole.blocks()[block].frames(); ++frame) {
+      EXPECT_TRUE(received.take(block, frame, whole.symbol(block, frame)));
+    }
+  }
+  ASSERT_TRUE(received.complete());
+  EXPECT_EQ(received.image(), image);
+}
+
 /// How often each frame of 1 MB is sent to eight members in one hop.
 double sends_per_frame(double loss, std::uint64_t seed) {
   MediumOptions medium;
