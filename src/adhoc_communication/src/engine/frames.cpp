@@ -139,7 +139,7 @@ void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {
   if (robot != nullptr && robot->name != flood.source_name) return malformed();
   if (!flood_.take(flood, now)) return;
   const auto hops = static_cast<std::uint8_t>(flood.hop_count + 1);
-  deliver(Carrier::kBroadcast, flood.source_name, flood.source_boot, flood.image, hops, now);
+  deliver(Carrier::kFlood, flood.source_name, flood.source_boot, flood.image, hops, now);
 }
 
 }  // namespace adhoc_communication

@@ -80,7 +80,7 @@ class Engine::Implementation {
   void on_flood(const wire::Flood& flood, Time now);
 
   // packets.cpp: packets put together.
-  enum class Carrier { kStream, kBroadcast, kGroup };
+  enum class Carrier { kStream, kBroadcast, kFlood, kGroup };
   bool admits(Carrier carrier, const std::string& source, const transport::Packet& packet) const;
   void deliver(Carrier carrier, const std::string& source, wire::BootTag boot, const Bytes& image, std::uint8_t hops,
                Time now);

@@ -26,9 +26,9 @@ bool Engine::Implementation::admits(Carrier carrier, const std::string& source, 
 
 void Engine::Implementation::deliver(Carrier carrier, const std::string& source, wire::BootTag boot, const Bytes& image,
                                      std::uint8_t hops, Time now) {
-  // A flood is one frame, which may claim to be any number of zeros.
   const std::size_t little = std::max(kMostFloodOctets, 2 * image.size());
-  const std::size_t most = carrier == Carrier::kBroadcast ? little : SIZE_MAX;
+  // One frame, which may claim to be any number of zeros, to each robot of the team.
+  const std::size_t most = carrier == Carrier::kFlood ? kMostFloodOctets : SIZE_MAX;
   std::optional<transport::Packet> packet = transport::parse(image, std::min(options_.max_packet_size, most));
   if (!packet || !admits(carrier, source, *packet)) return malformed();
   if (packet->kind != transport::PacketKind::kUser) {

@@ -83,6 +83,10 @@ bool Engine::Implementation::replace(SendId former, SendId id, const Image& imag
 SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
   touch(now);
   if (request.topic.empty()) return refuse("the topic is empty");
+  if (request.unpacked_size > kMostFloodOctets) {
+    return refuse("packet of " + std::to_string(request.unpacked_size) +
+                  " octets is more than a flood may unpack to, which is " + std::to_string(kMostFloodOctets));
+  }
   wire::Flood flood;
   flood.source = self_.address;
   flood.source_boot = self_.boot;

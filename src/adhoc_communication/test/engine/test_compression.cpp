@@ -57,6 +57,48 @@ TEST(Compression, EventsStayPackedUntilTheHostUnpacksThem) {
   EXPECT_EQ(received->payload, zeros);
 }
 
+/// Reported as sent, and dropped as malformed by whoever heard them.
+TEST(Compression, LargeMapsForEverybodyInReachArrive) {
+  Team team;
+  for (int robot = 0; robot < 3; ++robot) team.add();
+  team.run_for(2s);
+  for (const std::size_t size : {std::size_t{100'000}, std::size_t{200'000}, std::size_t{1'000'000}}) {
+    for (const Bytes& map : {map_like(size), Bytes(size, 0xff)}) {
+      for (std::size_t robot = 1; robot < 3; ++robot) team.received(robot).clear();
+      SendRequest request{"", "map", 'M', map, Priority::kBulk};
+      pack(request);
+      EXPECT_GT(request.unpacked_size, 64'000u);
+      const SendId id = team.send(0, std::move(request));
+      ASSERT_TRUE(team.run_until_done([&] { return team.finished(0, id) != nullptr; }, 10s));
+      team.run_for(1s);
+      EXPECT_TRUE(team.finished(0, id)->delivered);
+      for (std::size_t robot = 1; robot < 3; ++robot) {
+        ASSERT_EQ(team.received(robot).size(), 1u) << size;
+        EXPECT_TRUE(team.received(robot)[0].packet.payload == map) << size;
+      }
+    }
+  }
+  EXPECT_EQ(team.engine(1).statistics().frames_dropped.malformed, 0u);
+}
+
+TEST(Compression, AFloodThatNobodyWouldUnpackIsRefused) {
+  Team team;
+  for (int robot = 0; robot < 2; ++robot) team.add();
+  team.run_for(2s);
+  for (const std::size_t size : {std::size_t{64'000}, std::size_t{64'001}}) {
+    BroadcastRequest request;
+    request.topic = "topic";
+    request.payload_type = 'A';
+    request.payload = Bytes(size);
+    pack(request);
+    const SendId id = team.broadcast(0, std::move(request));
+    team.run_for(1s);
+    ASSERT_NE(team.finished(0, id), nullptr);
+    EXPECT_EQ(team.finished(0, id)->delivered, size == 64'000) << team.finished(0, id)->reason;
+  }
+  EXPECT_EQ(team.received(1).size(), 1u);
+}
+
 TEST(Compression, WhatDoesNotUnpackIsOfNoUse) {
   SendRequest request{"robot_1", "topic", 'A', Bytes(10'000), Priority::kNormal};
   pack(request);
