@@ -100,7 +100,7 @@ void Distributor::on_report(const MacAddress& from, const wire::GroupReport& rep
 }
 
 void Distributor::evicted(const transport::Reassembly::Key& key) {
-  if (Branch* branch = branches_.find(key.source, key.boot)) Sink::evicted(*branch, key);
+  if (Branch* branch = branches_.find(key.source, key.boot)) sink_.evicted(*branch, key);
 }
 
 void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,
@@ -157,6 +157,7 @@ std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const M
                                                   const std::optional<MacAddress>& follows, Time now) {
   const std::optional<Place> place = downlink_.next(priority, previous_hop);
   if (!place) return std::nullopt;
+  Sink::passed_on(place->transfer, now);
   return downlink_.frame(*place, base_of(*place), follows, now);
 }
 

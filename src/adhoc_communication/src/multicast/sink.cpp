@@ -7,7 +7,11 @@ namespace adhoc_communication::multicast {
 using wire::FrameType;
 
 void Sink::evicted(Branch& branch, const transport::Reassembly::Key& key) {
-  branch.streams[key.carrier - transport::Reassembly::kGroup].transfers.erase(key.packet);
+  const auto stream = static_cast<std::uint8_t>(key.carrier - transport::Reassembly::kGroup);
+  auto& transfers = branch.streams[stream].transfers;
+  if (const auto found = transfers.find(key.packet); found != transfers.end()) {
+    forget({key.source, branch, stream, key.packet, found->second});
+  }
 }
 
 bool Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Branch* branch,
@@ -23,6 +27,10 @@ bool Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::Gr
     branch->tree.heard_above = now;
     measure(*branch, counter, data.follows, now);
     pass_over(data.root, branch->streams[data.stream], data.base);
+  }
+  if (is_done_with(*branch, data)) {
+    if (from_upstream && data.report) tell_done(branch->tree, data);
+    return false;
   }
   Transfer* transfer = transfer_for(*branch, data, now);
   if (transfer == nullptr) return false;
@@ -54,8 +62,12 @@ void Sink::measure(Branch& branch, std::uint64_t counter, bool follows, Time now
 
 void Sink::made_progress(const Transfer& transfer, std::size_t octets, Time now) {
   if (!transfer.room) return;
-  reassembly_.progress(transfer.room->key(), octets, now);
-  if (transfer.packet->complete()) reassembly_.keep(transfer.room->key());
+  transfer.room->progress(octets, now);
+  if (transfer.packet->complete()) transfer.room->complete(false, now);
+}
+
+void Sink::passed_on(const Transfer& transfer, Time now) {
+  if (transfer.room) transfer.room->progress(0, now);
 }
 
 Transfer* Sink::transfer_for(Branch& branch, const wire::GroupData& data, Time now) {
@@ -115,7 +127,7 @@ Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
 }
 
 /// A packet that some other member has still to get keeps the root from going on; those behind it that are done with
-/// here must not keep out further ones. Should one of them come again, it is taken anew.
+/// here must not keep out further ones.
 bool Sink::has_place(const MacAddress& root, Branch& branch, std::uint8_t stream) {
   auto& transfers = branch.streams[stream].transfers;
   if (transfers.size() < kMostTransfers) return true;
@@ -123,8 +135,32 @@ bool Sink::has_place(const MacAddress& root, Branch& branch, std::uint8_t stream
     return entry.second.told && settled({root, branch, stream, entry.first, entry.second});
   });
   if (done_with == transfers.end()) return false;
-  transfers.erase(done_with);
+  forget({root, branch, stream, done_with->first, done_with->second});
   return true;
+}
+
+/// Of a packet that was done with, it is remembered what upstream was told, and for whom that holds.
+void Sink::forget(const Place& place) {
+  GroupStream& stream = place.branch.streams[place.stream];
+  if (place.transfer.told && settled(place)) {
+    stream.done.emplace_back(place.number, *place.transfer.told);
+    if (stream.done.size() > kMostDone) stream.done.erase(stream.done.begin());
+  }
+  stream.transfers.erase(place.number);
+}
+
+/// Delivered here and forgotten, with nobody behind this robot who might miss it. Where there are others behind it by
+/// now, the packet is taken anew.
+bool Sink::is_done_with(Branch& branch, const wire::GroupData& data) const {
+  GroupStream& stream = branch.streams[data.stream];
+  const auto done = std::find_if(stream.done.begin(), stream.done.end(),
+                                 [&](const auto& entry) { return entry.first == data.packet; });
+  if (done == stream.done.end()) return false;
+  const Tree& tree = branch.tree;
+  const bool nobody_behind = tree.children.empty() && tree.unrouted.empty();
+  if (nobody_behind || done->second == Told{tree.epoch, tree.own_coverage(self_.address)}) return true;
+  stream.done.erase(done);
+  return false;
 }
 
 /// Until there is room, the upstream neighbour keeps its frames and asks now and then.
@@ -133,6 +169,20 @@ void Sink::tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStre
   const bool question = data.octets.empty();
   if (!question && now - stream.told_no_room < kNoRoomInterval) return;
   stream.told_no_room = now;
+  wire::GroupReport report = report_on(tree, data);
+  report.first_block = wire::kNoRoom;
+  outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
+}
+
+void Sink::tell_done(const Tree& tree, const wire::GroupData& data) {
+  wire::GroupReport report = report_on(tree, data);
+  report.complete = true;
+  report.first_block = static_cast<std::uint16_t>(GroupPacket::count_blocks(data.total, data.segment_size));
+  outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
+}
+
+/// On a packet that has no place here.
+wire::GroupReport Sink::report_on(const Tree& tree, const wire::GroupData& data) const {
   wire::GroupReport report;
   report.root = data.root;
   report.root_boot = data.root_boot;
@@ -141,8 +191,7 @@ void Sink::tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStre
   report.epoch = tree.epoch;
   report.round = data.round;
   report.coverage = tree.own_coverage(self_.address);
-  report.first_block = wire::kNoRoom;
-  outbox_.unicast(*tree.upstream, FrameType::kGroupReport, to_bytes(report));
+  return report;
 }
 
 /// The root has finished the packets before `base`: with what did not get here by then it has given up.
@@ -154,6 +203,8 @@ void Sink::pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t 
     const auto candidate = transfer++;
     if (before(candidate->first, base)) stream.transfers.erase(candidate);
   }
+  const auto passed = [base](const auto& entry) { return before(entry.first, base); };
+  stream.done.erase(std::remove_if(stream.done.begin(), stream.done.end(), passed), stream.done.end());
   deliver(root, stream);
 }
 
@@ -216,8 +267,11 @@ bool Sink::settled(const Place& place) {
 
 void Sink::tell_complete(const Place& place, Time now) {
   const Tree& tree = place.branch.tree;
-  if (place.root == self_.address || !tree.upstream || !settled(place)) return;
-  const std::pair state(tree.epoch, tree.own_coverage(self_.address));
+  if (place.root == self_.address) return;
+  const bool done = settled(place);
+  if (place.transfer.packet->complete()) place.transfer.room->complete(done, now);
+  if (!tree.upstream || !done) return;
+  const Told state{tree.epoch, tree.own_coverage(self_.address)};
   if (place.transfer.told == state) return;
   place.transfer.told = state;
   report(place, true, now);

@@ -31,6 +31,7 @@ struct Place {
 class Sink {
  public:
   static constexpr std::size_t kMostTransfers = 256;       ///< of one root and priority; those done with make room
+  static constexpr std::size_t kMostDone = 256;            ///< that have made room and are remembered
   static constexpr std::uint32_t kPacketsAhead = 1 << 20;  ///< taken beyond what the root has finished
   static constexpr Time kIdleTransfer = std::chrono::seconds(20);
   static constexpr Time kReportJitter = std::chrono::milliseconds(1);
@@ -55,8 +56,10 @@ class Sink {
   /// Once this robot and all behind it have the packet, upstream hears of it reliably.
   void tell_complete(const Place& place, Time now);
   void report_if_due(const Place& place, Time now);
+  /// A frame of it goes to children.
+  static void passed_on(const Transfer& transfer, Time now);
   /// The packet had to make room.
-  static void evicted(Branch& branch, const transport::Reassembly::Key& key);
+  void evicted(Branch& branch, const transport::Reassembly::Key& key);
   /// Forgets packets without news.
   static void expire(Branch& branch, Time now);
 
@@ -68,8 +71,12 @@ class Sink {
   void begin(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   Transfer* admit(Branch& branch, const wire::GroupData& data, Time now);
   bool has_place(const MacAddress& root, Branch& branch, std::uint8_t stream);
+  static void forget(const Place& place);
+  bool is_done_with(Branch& branch, const wire::GroupData& data) const;
+  wire::GroupReport report_on(const Tree& tree, const wire::GroupData& data) const;
   void tell_no_room(const Tree& tree, const wire::GroupData& data, GroupStream& stream, Time now);
-  void made_progress(const Transfer& transfer, std::size_t octets, Time now);
+  void tell_done(const Tree& tree, const wire::GroupData& data);
+  static void made_progress(const Transfer& transfer, std::size_t octets, Time now);
   void pass_over(const MacAddress& root, GroupStream& stream, std::uint32_t base);
   void skip_to(const MacAddress& root, GroupStream& stream, std::uint32_t number);
   void deliver(const MacAddress& root, GroupStream& stream);

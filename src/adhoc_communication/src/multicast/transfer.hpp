@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "multicast/distribution.hpp"
 #include "routing/sequence_number.hpp"
@@ -22,11 +23,25 @@ class Room {
   Room(const Room&) = delete;
   Room& operator=(const Room&) = delete;
 
-  const transport::Reassembly::Key& key() const { return key_; }
+  void progress(std::size_t octets, Time now) { reassembly_.progress(key_, octets, now); }
+  /// The packet is complete; `done_with`: nothing is left to do with it here.
+  void complete(bool done_with, Time now) {
+    if (std::exchange(done_with_, done_with) == done_with) return;
+    done_with ? reassembly_.spare(key_) : reassembly_.keep(key_, now);
+  }
 
  private:
   transport::Reassembly& reassembly_;
   transport::Reassembly::Key key_;
+  std::optional<bool> done_with_{};  ///< nothing before the packet is complete
+};
+
+/// What upstream was told of a packet that is complete here and at all behind: for which members.
+struct Told {
+  std::uint32_t epoch = 0;
+  std::uint32_t coverage = 0;
+
+  friend bool operator==(const Told& a, const Told& b) { return a.epoch == b.epoch && a.coverage == b.coverage; }
 };
 
 struct Transfer {
@@ -36,7 +51,7 @@ struct Transfer {
   std::uint8_t hops = 1;       ///< from the root to this robot
   std::uint16_t round = 0;     ///< greatest one heard from upstream
   std::optional<Time> report_due;
-  std::optional<std::pair<std::uint32_t, std::uint32_t>> told;  ///< epoch and coverage of the last report "complete"
+  std::optional<Told> told;  ///< in the last report "complete"
   Time last_news{0};
   // At the root only.
   SendId id = 0;
@@ -53,7 +68,8 @@ struct GroupStream {
   std::optional<std::uint32_t> base;   ///< packets before are finished at the root; not known from copies
   std::optional<std::uint32_t> early;  ///< that of the first frame heard without a place, while there is none
   Transfers transfers;
-  Time told_no_room{-1};  ///< last
+  std::vector<std::pair<std::uint32_t, Told>> done;  ///< packets that made room when they were done with; latest last
+  Time told_no_room{-1};                             ///< last
 };
 
 /// Whether packet `a` comes before packet `b` of its stream.

@@ -1,51 +1,46 @@
 // Room for packets that are being put together, whatever carries them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <map>
-#include <tuple>
 #include <vector>
 
-#include "wire/octets.hpp"
+#include "transport/room_share.hpp"
 
 namespace adhoc_communication::transport {
 
-/// A whole packet gets its room with its first segment, so whatever was admitted can be finished. When there is no
-/// room, the youngest of those that have stalled make it; others go on, and the newcomer is told. A packet that all
-/// later ones of its stream wait for takes the room of these.
+/// A whole packet gets its room with its first segment, so whatever was admitted can be finished; who makes room when
+/// there is none stands at RoomShare. Little packets have a share for themselves and take part in the other one, too,
+/// so that large ones never keep them out. A newcomer without room is told.
 class Reassembly {
  public:
-  static constexpr std::size_t kPackets = 4;                 ///< of the largest size, together
-  static constexpr std::size_t kOfASource = 2;               ///< of these, for one robot
-  static constexpr std::size_t kOverhead = 256;              ///< octets that a packet takes besides its own
-  static constexpr Time kStalled = std::chrono::seconds(2);  ///< without a new segment
-  static constexpr std::size_t kLeastRate = 8000;  ///< octets per second; a packet that brings less has stalled, too
+  static constexpr std::size_t kPackets = 4;         ///< of the largest size, together
+  static constexpr std::size_t kLittlePackets = 16;  ///< of the little ones, in their share
+  /// Octets of a little packet, at most; a kLittlePackets-th of the largest size where that is less.
+  static constexpr std::size_t kLittle = 64'000;
+  static constexpr std::size_t kOverhead = 256;  ///< octets that a packet takes besides its own
 
   /// What carries a packet: a stream by its number, or one of these.
   static constexpr std::uint8_t kBroadcast = 4;
   static constexpr std::uint8_t kGroup = 8;  ///< plus the number of the stream
-  struct Key {
-    MacAddress source{};
-    wire::BootTag boot = 0;
-    std::uint8_t carrier = 0;
-    std::uint32_t packet = 0;
-
-    friend bool operator<(const Key& a, const Key& b) {
-      return std::tie(a.source, a.boot, a.carrier, a.packet) < std::tie(b.source, b.boot, b.carrier, b.packet);
-    }
-  };
+  using Key = PacketKey;
 
   explicit Reassembly(std::size_t largest_packet)
-      : most_(kPackets * (largest_packet + kOverhead)), most_of_a_source_(kOfASource * (largest_packet + kOverhead)) {}
+      : whole_(kPackets * (largest_packet + kOverhead)),
+        most_little_(std::min(kLittle, largest_packet / kLittlePackets)),
+        little_(kLittlePackets * (most_little_ + kOverhead)) {}
 
   /// Room for a packet of `octets`; `next`: the others of its stream wait for it. False if there is none.
   bool admit(const Key& key, std::size_t octets, bool next, Time now);
   /// A segment was of use.
   void progress(const Key& key, std::size_t octets, Time now);
+  /// No segment of it came lately, or too few did.
   bool stalled(const Key& key, Time now) const;
-  /// The packet is complete and still needed here: it keeps its room, and its source may begin others.
-  void keep(const Key& key);
+  /// The packet is complete and still needed here.
+  void keep(const Key& key, Time now);
+  /// The packet is complete, and nothing is left to do with it: it stays as long as nobody needs its room.
+  void spare(const Key& key);
   void release(const Key& key);
   /// Packets that had to make room; whoever put them together has to forget them.
   std::vector<Key> take_evicted();
@@ -58,33 +53,18 @@ class Reassembly {
   };
   Fill fill() const;
 
-  std::size_t packets() const { return places_.size(); }
-  std::size_t octets() const { return taken_; }
-  std::size_t most() const { return most_; }
+  std::size_t packets() const { return whole_.places().size() + little_.places().size(); }
+  /// For packets of all sizes.
+  const RoomShare& whole() const { return whole_; }
+  /// For little ones.
+  const RoomShare& little() const { return little_; }
 
  private:
-  struct Place {
-    std::size_t cost = 0;
-    std::size_t filled = 0;
-    std::uint64_t order = 0;  ///< of admission
-    Time admitted{0};
-    Time last{0};
-    bool kept = false;
-  };
-  using Places = std::map<Key, Place>;
+  RoomShare::Place* find(const Key& key);
 
-  static bool has_stalled(const Place& place, Time now);
-  std::size_t taken_by(const MacAddress& source) const;
-  template <typename Predicate>
-  std::vector<Key> youngest(std::size_t cost, Predicate candidate) const;
-  std::vector<Key> later_ones(const Key& key, std::size_t cost) const;
-  void evict(const std::vector<Key>& keys);
-
-  std::size_t most_;
-  std::size_t most_of_a_source_;
-  std::size_t taken_ = 0;
-  std::uint64_t admitted_ = 0;
-  Places places_;
+  RoomShare whole_;
+  std::size_t most_little_;
+  RoomShare little_;
   std::vector<Key> evicted_;
 };
 

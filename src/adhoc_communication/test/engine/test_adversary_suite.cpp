@@ -7,11 +7,14 @@
 #include <deque>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host.hpp"
 #include "insider.hpp"
+#include "multicast/group_packet.hpp"
 #include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
@@ -21,15 +24,20 @@ using namespace std::chrono_literals;
 using transport::PacketKind;
 
 constexpr std::size_t kRobots = 3;
-constexpr std::size_t kLargest = 1'000'000;
 constexpr Time kStep = 10ms;
 constexpr int kSteps = 500;
 
-/// Of the radio and the robots; `bench_adversaries` sets others.
-std::uint64_t suite_seed() {
-  const char* seed = std::getenv("ADVERSARY_SEED");
-  return seed == nullptr ? 1 : std::strtoull(seed, nullptr, 10);
+/// What `bench_adversaries` may set.
+std::uint64_t setting(const char* name, std::uint64_t otherwise) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? otherwise : std::strtoull(value, nullptr, 10);
 }
+
+/// Of the radio and the robots.
+std::uint64_t suite_seed() { return setting("ADVERSARY_SEED", 1); }
+
+/// Octets of the largest packet that the robots take.
+std::size_t largest() { return setting("ADVERSARY_LARGEST_PACKET", 1'000'000); }
 
 /// Of the process, in kB.
 int peak_resident_set() {
@@ -44,10 +52,12 @@ class AdversarySuite : public testing::TestWithParam<bool> {
  protected:
   using Attack = std::function<void(int step, std::size_t robot)>;
 
-  AdversarySuite() : team_({}, suite_seed()) {
-    options_.max_packet_size = kLargest;
+  AdversarySuite() : AdversarySuite(0.0) {}
+  /// Robots in a row, `spacing` metres apart.
+  explicit AdversarySuite(double spacing) : team_({}, suite_seed()) {
+    options_.max_packet_size = largest();
     if (GetParam()) options_.keys = {TeamKey{7}};
-    for (std::size_t robot = 0; robot < kRobots; ++robot) team_.add(options_);
+    team_.add_line(kRobots, options_, spacing);
     team_.run_for(3s);
     forget();
   }
@@ -62,8 +72,9 @@ class AdversarySuite : public testing::TestWithParam<bool> {
     }
   }
 
-  /// The attack goes on for five seconds, at each robot in each step, while each robot sends to the next one.
-  void withstand(const Attack& attack) {
+  /// The attack goes on for five seconds, at each robot in each step, while each robot sends to the next one. All has
+  /// to have arrived `patience` later.
+  void withstand(const Attack& attack, Time patience = 3s) {
     std::vector<std::pair<std::size_t, SendId>> sends;
     for (int step = 0; step < kSteps; ++step) {
       for (std::size_t robot = 0; robot < kRobots; ++robot) attack(step, robot);
@@ -76,7 +87,7 @@ class AdversarySuite : public testing::TestWithParam<bool> {
       team_.run_for(kStep);
       expect_bounds();
     }
-    team_.run_for(3s);
+    team_.run_for(patience);
     for (const auto& [robot, id] : sends) expect_delivered(robot, id);
     for (std::size_t robot = 0; robot < kRobots; ++robot) expect_nobody_lost(robot);
   }
@@ -101,8 +112,16 @@ class AdversarySuite : public testing::TestWithParam<bool> {
   Team team_;
 };
 
+/// Each robot in range of the next only, so that what the first and the last one send to each other takes two hops.
+class AdversarySuiteOnALine : public AdversarySuite {
+ protected:
+  AdversarySuiteOnALine() : AdversarySuite(8.0) {}
+};
+
 INSTANTIATE_TEST_SUITE_P(Open, AdversarySuite, testing::Values(false));
 INSTANTIATE_TEST_SUITE_P(Sealed, AdversarySuite, testing::Values(true));
+INSTANTIATE_TEST_SUITE_P(Open, AdversarySuiteOnALine, testing::Values(false));
+INSTANTIATE_TEST_SUITE_P(Sealed, AdversarySuiteOnALine, testing::Values(true));
 
 std::vector<wire::Rumor> rumors_of_strangers(std::size_t first, std::size_t count, std::uint32_t alive) {
   std::vector<wire::Rumor> rumors;
@@ -121,12 +140,12 @@ TEST_P(AdversarySuite, ForgedSizesBlockNoReassembly) {
     if (step % 20 == 0) forger.prove(robot, rumors_of_strangers(20, 10, static_cast<std::uint32_t>(step + 1)));
     wire::Data data = data_for(forger.robot(robot), make_host(20 + static_cast<std::size_t>(step) % 10), ++packet);
     data.stream = static_cast<std::uint8_t>(step % 4);
-    data.total = kLargest;
+    data.total = static_cast<std::uint32_t>(largest());
     data.segment_size = 1400;
     data.octets.assign(1400, 0);
     data.index = static_cast<std::uint32_t>(step) % 700;
     forger.say(robot, data);
-    wire::BroadcastData broadcast{packet, 0, kLargest, 1400, Bytes(1400)};
+    wire::BroadcastData broadcast{packet, 0, data.total, 1400, Bytes(1400)};
     forger.say(robot, wire::FrameType::kBroadcastData, wire::to_bytes(broadcast));
   });
 }
@@ -197,7 +216,7 @@ TEST_P(AdversarySuite, BombsTakeLittle) {
   Insider bomber = insider();
   const auto bomb = [](PacketKind kind, const std::string& group) {
     return transport::encode({kind, kind == PacketKind::kUser ? std::uint8_t{'A'} : std::uint8_t{0}, group,
-                              kind == PacketKind::kUser ? "topic" : "", Bytes(kLargest - 100)});
+                              kind == PacketKind::kUser ? "topic" : "", Bytes(largest() - 100)});
   };
   const std::vector<transport::Image> bombs = {
       bomb(PacketKind::kUser, ""), bomb(PacketKind::kGroupMembers, "mc_host_5"),
@@ -206,7 +225,7 @@ TEST_P(AdversarySuite, BombsTakeLittle) {
   withstand([&](int step, std::size_t robot) {
     if (step % 20 == 0) bomber.prove(robot);
     const transport::Image& image = bombs[static_cast<std::size_t>(step) % bombs.size()];
-    ASSERT_LT(image->size(), 1000u);
+    ASSERT_LT(image->size(), 1400u);
     wire::Data data = data_for(bomber.robot(robot), bomber.host(), ++packets[robot]);
     data.total = static_cast<std::uint32_t>(image->size());
     data.octets = *image;
@@ -293,6 +312,197 @@ TEST_P(AdversarySuite, HostileMembersHoldUpNobody) {
     const std::string& reason = team_.finished(0, id)->reason;
     EXPECT_EQ(reason.find("robot_"), std::string::npos) << reason;
   }
+}
+
+/// Packets of the largest size, of several sources, each a segment after the other.
+class Hoarders {
+ public:
+  Hoarders(Team& team, const std::vector<TeamKey>& keys, std::size_t first_host, std::size_t sources,
+           std::size_t packets_each)
+      : next_(sources * packets_each) {
+    for (std::size_t i = 0; i < sources; ++i) sources_.emplace_back(team, make_host(first_host + i), keys);
+  }
+  std::deque<Insider>& sources() { return sources_; }
+  /// The next segment of the next packet; of no packet the last one.
+  void go_on(std::size_t robot) {
+    const std::size_t number = turn_++ % next_.size();
+    Insider& source = sources_[number % sources_.size()];
+    const auto packet = static_cast<std::uint32_t>(1 + number / sources_.size());
+    wire::Data data = data_for(source.robot(robot), source.host(), packet);
+    data.stream = 2;
+    data.base = 1;
+    data.total = static_cast<std::uint32_t>(largest());
+    data.segment_size = 1400;
+    if ((next_[number] + 1) * std::size_t{1400} >= data.total) return;
+    data.index = next_[number]++;
+    data.octets.assign(1400, 0);
+    source.say(robot, data);
+  }
+
+ private:
+  std::deque<Insider> sources_;
+  std::vector<std::uint32_t> next_;  ///< by packet: the index of its next segment
+  std::size_t turn_ = 0;
+};
+
+/// Two robots held all the room with two packets each that never stood still.
+class Drips {
+ public:
+  Drips(Team& team, const std::vector<TeamKey>& keys) {
+    for (std::size_t robot = 0; robot < kRobots; ++robot) at_.emplace_back(team, keys, 5 + 2 * robot, 2, 2);
+  }
+  void operator()(int step, std::size_t robot) {
+    if (step % 20 == 0) {
+      for (Insider& source : at_[robot].sources()) source.prove(robot);
+    }
+    if (step % 2 == 0) at_[robot].go_on(robot);
+  }
+
+ private:
+  std::deque<Hoarders> at_;
+};
+
+constexpr Time kBeforeTheyStall = 1s;
+
+TEST_P(AdversarySuite, SlowDripsHoldNoRoom) {
+  Drips drips(team_, options_.keys);
+  withstand([&](int step, std::size_t robot) { drips(step, robot); }, kBeforeTheyStall);
+}
+
+TEST_P(AdversarySuiteOnALine, SlowDripsHoldNoRoom) {
+  Drips drips(team_, options_.keys);
+  withstand([&](int step, std::size_t robot) { drips(step, robot); }, kBeforeTheyStall);
+}
+
+/// A large packet gets room, too: each of the two gives up one of its.
+TEST_P(AdversarySuiteOnALine, SlowDripsKeepNoLargePacketOut) {
+  Drips drips(team_, options_.keys);
+  SendId id = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    for (std::size_t robot = 0; robot < kRobots; ++robot) drips(step, robot);
+    if (step == 50) id = team_.send(0, "robot_2", noise(900'000));
+    team_.run_for(kStep);
+    expect_bounds();
+  }
+  expect_delivered(0, id);
+}
+
+/// All the room at one robot, really filled; what it takes is measured.
+TEST_P(AdversarySuite, FilledRoomKeepsNobodyOut) {
+  Hoarders hoarders(team_, options_.keys, 5, 4, 1);
+  const std::size_t frames_a_step = 4 * largest() / 1400 / (kSteps / 2) + 1;
+  withstand([&](int step, std::size_t robot) {
+    if (robot != 0) return;
+    if (step % 20 == 0) {
+      for (Insider& source : hoarders.sources()) source.prove(robot);
+    }
+    for (std::size_t i = 0; i < frames_a_step; ++i) hoarders.go_on(robot);
+    if (step == kSteps - 1) EXPECT_GT(team_.engine(0).queues().stream_octets, 39 * largest() / 10);
+  });
+}
+
+/// A root whose packets have arrived, which does not go on and asks about them again and again.
+class StandingRoot {
+ public:
+  StandingRoot(Team& team, const std::vector<TeamKey>& keys) : team_(team), root_(team, make_host(5), keys) {
+    transport::Packet packet;
+    packet.payload_type = 'A';
+    packet.group = "mc_" + root_.host().name;
+    packet.topic = "topic";
+    packet.payload = noise(largest() - 100);
+    packet_ = std::make_unique<multicast::GroupPacket>(*transport::image_of(packet), 1400);
+    team_.on_transmission = [this](std::size_t robot, const Frame& frame) { remember(robot, frame); };
+  }
+  ~StandingRoot() { team_.on_transmission = nullptr; }
+
+  void begin() {
+    root_.prove(0);
+    run_for(200ms);
+    root_.prove(0);
+    root_.say(0, wire::GroupActivation{root_.host().address, root_.host().boot(), 1, {Team::address(0)}});
+    run_for(20ms);
+  }
+  void send(std::uint32_t number) {
+    int sent = 0;
+    for (std::size_t block = 0; block < packet_->blocks().size(); ++block) {
+      for (int symbol = 0; symbol < packet_->blocks()[block].frames(); ++symbol) {
+        wire::GroupData data = frame(number);
+        data.block = static_cast<std::uint16_t>(block);
+        data.symbol = static_cast<std::uint8_t>(symbol);
+        data.octets = packet_->symbol(block, symbol);
+        root_.say(0, data);
+        if (++sent % 50 == 0) run_for(5ms);
+      }
+    }
+    root_.prove(0);
+    run_for(20ms);
+  }
+  void ask(std::uint32_t number) {
+    wire::GroupData question = frame(number);
+    question.report = true;
+    root_.say(0, question);
+  }
+  void prove() { root_.prove(0); }
+  void run_for(Time duration) {
+    for (const Time end = team_.now() + duration; team_.now() < end;) {
+      team_.run_for(std::min<Time>(5ms, end - team_.now()));
+      acknowledge();
+    }
+  }
+
+ private:
+  wire::GroupData frame(std::uint32_t number) const {
+    wire::GroupData data;
+    data.root = root_.host().address;
+    data.root_boot = root_.host().boot();
+    data.stream = 2;
+    data.packet = number;
+    data.base = 1;
+    data.total = packet_->total();
+    data.segment_size = packet_->segment_size();
+    return data;
+  }
+  void remember(std::size_t robot, const Frame& frame) {
+    wire::Reader reader(frame.bytes);
+    const auto header = wire::read_header(reader);
+    const bool wanted = robot == 0 && header && header->next_hop == root_.host().address &&
+                        (header->flags & wire::kWantsAcknowledgment) != 0;
+    if (wanted) owed_.push_back(*header);
+  }
+  void acknowledge() {
+    for (const wire::FrameHeader& header : std::exchange(owed_, {})) {
+      wire::HopAcknowledgment acknowledgment;
+      acknowledgment.boot = wire::boot_tag(team_.boot_id(0));
+      acknowledgment.newest_counter = header.counter;
+      acknowledgment.highest = header.link_sequence;
+      acknowledgment.received = ~std::uint64_t{0};
+      root_.say(0, acknowledgment);
+    }
+  }
+
+  Team& team_;
+  Insider root_;
+  std::unique_ptr<multicast::GroupPacket> packet_;
+  std::vector<wire::FrameHeader> owed_;
+};
+
+TEST_P(AdversarySuite, DeliveredGroupPacketsHoldNoRoom) {
+  StandingRoot root(team_, options_.keys);
+  root.begin();
+  for (std::uint32_t number = 1; number <= 4; ++number) {
+    root.send(number);
+    ASSERT_EQ(team_.received(0).size(), 1u);
+    forget();
+  }
+  SendId id = 0;
+  for (int round = 0; round < 50; ++round) {
+    root.prove();
+    for (std::uint32_t number = 1; number <= 4; ++number) root.ask(number);
+    if (round == 10) id = team_.send(1, "robot_0", noise(900'000));
+    root.run_for(100ms);
+    expect_bounds();
+  }
+  expect_delivered(1, id);
 }
 
 }  // namespace

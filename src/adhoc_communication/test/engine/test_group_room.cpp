@@ -193,6 +193,58 @@ TEST(GroupRoom, PacketsDoneWithHereKeepNoFurtherOnesOut) {
   EXPECT_EQ(stage.team.received(0).size(), count);
 }
 
+/// The root does not go on, and asks for ever: they held all the room.
+TEST(GroupRoom, PacketsDoneWithMakeItAndAreNotTakenAnew) {
+  Stage stage(without_groups(small()));
+  Host &root = stage.neighbor(1), &honest = stage.neighbor(9);
+  stage.run_for(1s);
+  stage.node().join_group("mc_host_1", stage.now());
+  stage.say(root, wire::GroupActivation{root.address, root.boot(), 1, {stage.self().address}}, stage.self().address);
+  stage.run_for(20ms);
+  const auto image = transport::encode({transport::PacketKind::kUser, 'A', "mc_host_1", "topic", noise(90'000)});
+  const multicast::GroupPacket packet(*image, 1400);
+  ASSERT_EQ(packet.blocks().size(), 1u);
+  wire::GroupData data = user_packet(root, 1, 1);
+  data.total = packet.total();
+  data.segment_size = packet.segment_size();
+  for (data.packet = 1; data.packet <= 4; ++data.packet) {
+    for (int symbol = 0; symbol < packet.blocks()[0].frames(); ++symbol) {
+      data.report = false;
+      data.symbol = static_cast<std::uint8_t>(symbol);
+      data.octets = packet.symbol(0, symbol);
+      stage.say(root, data);
+    }
+    stage.run_for(20ms);
+  }
+  ASSERT_EQ(stage.team.received(0).size(), 4u);
+
+  const auto own = transport::encode({transport::PacketKind::kUser, 'A', {}, "topic", noise(90'000)});
+  wire::Data segment = data_for(stage.self(), honest);
+  segment.total = static_cast<std::uint32_t>(own->size());
+  segment.segment_size = 1400;
+  for (std::size_t begin = 0; begin < own->size(); begin += 1400, ++segment.index) {
+    const auto end = static_cast<std::ptrdiff_t>(std::min(begin + 1400, own->size()));
+    segment.octets.assign(own->begin() + static_cast<std::ptrdiff_t>(begin), own->begin() + end);
+    stage.say(honest, segment);
+  }
+  stage.run_for(10ms);
+  EXPECT_EQ(stage.team.received(0).size(), 5u);
+
+  data.report = true;
+  data.octets.clear();
+  for (data.packet = 1; data.packet <= 4; ++data.packet) {
+    stage.forget();
+    stage.say(root, data);
+    stage.run_for(20ms);
+    const auto reports = stage.sent<wire::GroupReport>();
+    ASSERT_FALSE(reports.empty());
+    EXPECT_TRUE(reports.back().message.complete) << data.packet;
+    EXPECT_EQ(reports.back().message.first_block, 1u) << data.packet;
+  }
+  EXPECT_EQ(stage.node().queues().group_octets, 0u);
+  EXPECT_LT(stage.node().queues().complete_group_octets, 4 * packet.total());
+}
+
 TEST(GroupRoom, AMemberServedByCopiesGoesOnWithTheTreeWhoeverIsHeardFirst) {
   Stage stage(without_groups());
   Host &upstream = stage.neighbor(1), &other = stage.neighbor(2);

@@ -15,6 +15,7 @@ using namespace std::chrono_literals;
 using transport::Reassembly;
 
 constexpr std::size_t kLargestWhole = 100'000;
+constexpr std::size_t kLittleWhole = kLargestWhole / Reassembly::kLittlePackets;
 
 Reassembly::Key key(std::uint8_t source, std::uint32_t packet, std::uint8_t carrier = 2) {
   return {{2, 0, 0, 0, 0, source}, 1, carrier, packet};
@@ -43,10 +44,13 @@ TEST(Reassembly, ASourceTakesHalfAtMost) {
   Reassembly reassembly(kLargestWhole);
   EXPECT_TRUE(reassembly.admit(key(1, 1), kLargestWhole, true, 0s));
   EXPECT_TRUE(reassembly.admit(key(1, 1, Reassembly::kGroup), kLargestWhole, true, 0s));
-  EXPECT_FALSE(reassembly.admit(key(1, 1, Reassembly::kBroadcast), 100, true, 0s));
+  EXPECT_FALSE(reassembly.admit(key(1, 1, Reassembly::kBroadcast), kLargestWhole, true, 0s));
   EXPECT_TRUE(reassembly.admit(key(2, 1), kLargestWhole, true, 0s));
-  reassembly.keep(key(1, 1, Reassembly::kGroup));
-  EXPECT_TRUE(reassembly.admit(key(1, 2, Reassembly::kGroup), 1000, true, 0s)) << "the one before is complete";
+  reassembly.keep(key(1, 1, Reassembly::kGroup), 0s);
+  EXPECT_FALSE(reassembly.admit(key(1, 2, Reassembly::kGroup), kLargestWhole, false, 0s)) << "complete, but needed";
+  reassembly.spare(key(1, 1, Reassembly::kGroup));
+  EXPECT_TRUE(reassembly.admit(key(1, 2, Reassembly::kGroup), kLargestWhole, false, 0s)) << "nobody needs it";
+  EXPECT_TRUE(evicted(reassembly).empty());
 }
 
 /// Later packets of a stream that had taken all the room waited for the first one, and that one for room.
@@ -63,7 +67,7 @@ TEST(Reassembly, TheYoungestOfTheStalledMakesRoom) {
   Reassembly reassembly(kLargestWhole);
   for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLargestWhole, true, 0s);
   reassembly.progress(key(4, 4), 50'000, 1s);
-  EXPECT_TRUE(reassembly.admit(key(5, 5), 1000, true, 2s));
+  EXPECT_TRUE(reassembly.admit(key(5, 5), kLargestWhole, true, 2s));
   EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{3}));
   EXPECT_FALSE(reassembly.stalled(key(4, 4), 2s));
 }
@@ -75,6 +79,87 @@ TEST(Reassembly, ATrickleDoesNotHoldRoom) {
     for (std::uint8_t source = 1; source <= 4; ++source) reassembly.progress(key(source, source), 64, now);
   }
   EXPECT_TRUE(reassembly.admit(key(5, 5), kLargestWhole, true, 10s));
+}
+
+/// Packets of two sources that were never given room by others, as long as they brought more than 8 kB/s each.
+TEST(Reassembly, LittlePacketsHaveAShareForThemselves) {
+  Reassembly reassembly(kLargestWhole);
+  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, 1), kLargestWhole, true, 0s);
+  for (Time now = 0s; now < 5s; now += 100ms) {
+    for (std::uint8_t source = 1; source <= 4; ++source) reassembly.progress(key(source, 1), 1400, now);
+    EXPECT_TRUE(reassembly.admit(key(5, 1), kLittleWhole, true, now));
+    reassembly.release(key(5, 1));
+  }
+  EXPECT_FALSE(reassembly.admit(key(5, 1), kLittleWhole + 1, true, 5s));
+  EXPECT_TRUE(evicted(reassembly).empty());
+}
+
+TEST(Reassembly, WhoHoldsMostGivesUpItsYoungestForWhoHoldsLess) {
+  Reassembly reassembly(kLargestWhole);
+  for (const std::uint32_t packet : {1, 2}) {
+    for (const std::uint8_t source : {1, 2}) reassembly.admit(key(source, packet), kLargestWhole, true, 0s);
+  }
+  EXPECT_TRUE(reassembly.admit(key(3, 7), kLargestWhole, true, 100ms));
+  ASSERT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{2}));
+  EXPECT_FALSE(reassembly.admit(key(3, 8), kLargestWhole, false, 100ms)) << "it would hold more than the other";
+  EXPECT_TRUE(reassembly.admit(key(4, 9), kLargestWhole, true, 100ms));
+  ASSERT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{2}));
+  for (std::uint8_t source = 1; source <= 5; ++source) {
+    EXPECT_FALSE(reassembly.admit(key(source, 10), kLargestWhole, false, 100ms)) << "each has one";
+  }
+}
+
+TEST(Reassembly, LittlePacketsOfOneSourceDoNotFillTheirShare) {
+  Reassembly reassembly(kLargestWhole);
+  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, 1), kLargestWhole, true, 0s);
+  for (const std::uint8_t source : {5, 6}) {
+    for (std::uint32_t packet = 1; packet <= Reassembly::kLittlePackets / 2; ++packet) {
+      EXPECT_TRUE(reassembly.admit(key(source, packet), kLittleWhole, true, 0s));
+    }
+    EXPECT_FALSE(reassembly.admit(key(source, 100), kLittleWhole, false, 0s));
+  }
+  EXPECT_TRUE(reassembly.admit(key(7, 1), 1000, true, 0s));
+  EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{Reassembly::kLittlePackets / 2}));
+  EXPECT_LE(reassembly.little().taken(), reassembly.little().most());
+}
+
+TEST(Reassembly, SparePacketsMakeRoomFirst) {
+  Reassembly reassembly(kLargestWhole);
+  for (std::uint8_t source = 1; source <= 4; ++source) {
+    reassembly.admit(key(source, source, Reassembly::kGroup), kLargestWhole, true, 0s);
+    reassembly.keep(key(source, source, Reassembly::kGroup), 0s);
+  }
+  EXPECT_FALSE(reassembly.admit(key(5, 5), kLargestWhole, true, 1s));
+  for (const std::uint8_t source : {2, 4}) reassembly.spare(key(source, source, Reassembly::kGroup));
+  EXPECT_TRUE(reassembly.admit(key(5, 5), kLargestWhole, true, 1s));
+  EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{2})) << "the oldest of them";
+}
+
+/// They held it for ever.
+TEST(Reassembly, CompletePacketsOfWhichNothingIsPassedOnMakeRoom) {
+  Reassembly reassembly(kLargestWhole);
+  for (std::uint8_t source = 1; source <= 4; ++source) {
+    reassembly.admit(key(source, source, Reassembly::kGroup), kLargestWhole, true, 0s);
+    reassembly.keep(key(source, source, Reassembly::kGroup), 0s);
+  }
+  reassembly.progress(key(4, 4, Reassembly::kGroup), 0, 1500ms);
+  EXPECT_TRUE(reassembly.admit(key(5, 5), kLargestWhole, true, 2s));
+  EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{3}));
+}
+
+/// At 8 kB/s four packets of ten megabytes held all the room for twenty minutes.
+TEST(Reassembly, ALargePacketThatWouldTakeTooLongMakesRoom) {
+  constexpr std::size_t kLarge = 10'000'000;
+  Reassembly reassembly(kLarge);
+  for (std::uint8_t source = 1; source <= 4; ++source) reassembly.admit(key(source, source), kLarge, true, 0s);
+  for (Time now = 0s; now <= 10s; now += 100ms) {
+    for (std::uint8_t source = 1; source <= 4; ++source) {
+      reassembly.progress(key(source, source), source == 4 ? 11'000 : 9'000, now);
+    }
+  }
+  EXPECT_TRUE(reassembly.admit(key(5, 5), kLarge, true, 10s));
+  EXPECT_EQ(evicted(reassembly), (std::vector<std::uint32_t>{3}));
+  EXPECT_FALSE(reassembly.stalled(key(1, 1), 10s)) << "no reason to doubt it";
 }
 
 /// A first segment that claims to be of a packet of the largest size.
@@ -272,7 +357,7 @@ TEST(Reassembly, ASendWithoutRoomFailsAfterAMinute) {
 TEST(Reassembly, APacketBehindOneGivenUpForWantOfRoomIsDelivered) {
   Joined joined;
   const Reassembly::Key others[] = {key(20, 1), key(21, 1), key(22, 1), key(23, 1)};
-  for (int i = 0; i < 4; ++i) ASSERT_TRUE(joined.reassembly.admit(others[i], i < 3 ? kLargestWhole : 60'000, true, 0s));
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(joined.reassembly.admit(others[i], i < 3 ? kLargestWhole : 70'000, true, 0s));
   const transport::Image text = std::make_shared<Bytes>(noise(200));
   joined.sender.add(2, text, 1000, 0s);
   std::vector<transport::StreamSender::GivenUp> given_up;
