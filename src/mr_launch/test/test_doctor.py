@@ -526,6 +526,14 @@ def test_values_of_a_wrong_type_are_findings(node, words, what):
     assert any(what in finding.what for finding in findings), findings
 
 
+def test_a_recorder_that_has_ended_is_named_where_one_is_wanted():
+    wanted = replace(HEALTHY, set_up=set_up_of({**PARAMETERS, "bag": {"output": "--output-prefix=/records/topics"}}))
+    (finding,) = diagnose(wanted)
+    assert finding.what == "the recording has ended: the node bag does not run" and "make room" in finding.remedy
+    assert diagnose(replace(wanted, running=(*NODES, "bag"))) == []
+    assert diagnose(replace(HEALTHY, set_up=set_up_of({**PARAMETERS, "bag": {"colour": "red"}}))) == []
+
+
 @pytest.mark.parametrize("uri", ["foo", "http://localhost:99999", "ftp://a:1"])
 def test_a_master_that_cannot_be_is_a_finding(uri, monkeypatch):
     examination = pytest.importorskip("mr_launch.doctor.examination")

@@ -1,6 +1,8 @@
 """A full disk and robots that are started again: the mission goes on, and says once what is lost."""
 
+import contextlib
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +16,7 @@ from mr_measures.record.files import read_record
 HERE = Path(__file__).resolve().parent
 GUARD = (
     "import sys; from pathlib import Path; from mr_launch.disk_guard import guarded\n"
-    "sys.exit(guarded([sys.executable, '-c', sys.argv[1]], Path(sys.argv[2]), int(sys.argv[3])))"
+    "sys.exit(guarded([sys.executable, '-c', sys.argv[1]], Path(sys.argv[2]), int(sys.argv[3]), len(sys.argv) > 4))"
 )
 RECORDER = (  # writes until it is interrupted, then closes its bag
     "import pathlib, signal, sys, time\n"
@@ -50,6 +52,50 @@ def test_a_folder_that_is_not_there_is_no_full_disk(tmp_path):
 def test_a_recorder_with_room_ends_as_it_ends(tmp_path):
     done = run_guarded("raise SystemExit(5)", tmp_path, NOTHING)
     assert (done.returncode, done.stderr) == (5, "")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_where_nodes_are_started_again_an_end_for_the_disk_lasts(tmp_path, number):
+    """roslaunch would start the recorder every two seconds, to find the disk full."""
+    words = [sys.executable, "-c", GUARD, RECORDER, str(tmp_path), str(MORE_THAN_THERE_IS), "stays"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as guard:
+        assert guard.stderr.readline().startswith("record: ")
+        with pytest.raises(subprocess.TimeoutExpired):
+            guard.wait(timeout=2.0)
+        guard.send_signal(number)
+        assert guard.wait(timeout=20.0) == 0
+    done = subprocess.run([*words[:3], "raise SystemExit(5)", str(tmp_path), "1", "stays"], timeout=60, check=False)
+    assert done.returncode == 5, "one that died is for roslaunch"
+
+
+def test_the_recorder_closes_its_bag_when_its_guard_is_killed(tmp_path):
+    """It went on for ever, beside the one that was started again."""
+    told = "import os; print(os.getpid(), flush=True)\n" + RECORDER.replace(
+        "while", "print('ready', flush=True)\nwhile"
+    )
+    words = [sys.executable, "-c", GUARD, told, str(tmp_path), str(NOTHING)]
+    with subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as guard:
+        recorder = int(guard.stdout.readline())
+        assert guard.stdout.readline() == "ready\n"
+        guard.kill()
+        try:
+            assert guard.stdout.read() == "" and (tmp_path / "closed").exists()
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(recorder, signal.SIGKILL)
+
+
+def test_a_recorder_that_died_is_news_and_no_failure(tmp_path):
+    """It ended the whole mission, with --respawn, too."""
+    log = tmp_path / "robot_0.log"
+    log.write_text("[bag-8] process has died [pid 1, exit code -9, cmd x].\nlog file: /logs/bag-8*.log\n")
+    for respawns in (False, True):
+        watch = NodeWatch(log, respawns)
+        assert watch.failures() == [] and watch.restarts == {}
+        (news,) = watch.take_news()
+        assert news == "the recorder died (exit code -9); the mission goes on unrecorded; log: /logs/bag-8*.log"
+    log.write_text("ERROR: cannot launch node of type [mr_launch/record]: no such file\n")
+    assert len(NodeWatch(log).failures()) == 1, "what cannot be started is not installed"
 
 
 def test_the_runner_reads_what_is_said_of_the_recording_and_of_this_start_only(tmp_path):

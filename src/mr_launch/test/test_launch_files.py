@@ -11,7 +11,7 @@ import yaml
 from roslaunch.config import ROSLaunchConfig
 from roslaunch.xmlloader import XmlLoader, XmlParseException
 
-from mr_launch.nodes import RESPAWNED
+from mr_launch.nodes import RECORDER, RESPAWNED
 from mr_launch.recorder import record_command
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -268,6 +268,18 @@ def test_nodes_are_started_again():
     again = {node.name for node in loaded("robot.launch", *everything).nodes if node.respawn}
     assert again == set(RESPAWNED) and "slam" in again
     assert not any(node.respawn for node in loaded("robot.launch", "respawn:=false").nodes)
+
+
+def test_a_recorder_that_died_is_started_again_where_it_makes_a_new_bag(tmp_path):
+    def recorder(name, *arguments):
+        config = loaded(name, *arguments)
+        (node,) = (node for node in config.nodes if node.name == RECORDER)
+        assert config.params["/bag/respawn"].value is node.respawn
+        return node.respawn
+
+    recorded = ("record:=true", f"record_path:={tmp_path}")
+    assert recorder("robot.launch", *recorded) and not recorder("robot.launch", *recorded, "respawn:=false")
+    assert not recorder("team_robot.launch", "bag:=/tmp/x.bag", "respawn:=true"), "it would begin the same file anew"
 
 
 def test_a_turtlebot_is_configured_as_one():

@@ -16,7 +16,7 @@ _NOT_STARTED = re.compile(r"ERROR: cannot launch node of type \[(?P<type>[^\]]+)
 _LOG = re.compile(r"log file: (?P<pattern>[^\n\x1b]+)")
 _RECORDING = re.compile(rf"^{LABEL}(?P<text>.*)$", re.MULTILINE)
 _EXIT = re.compile(r"exit code (-?\d+)")
-MAY_FINISH = ("bag",)  # the recorder ends by itself when its bag is full
+RECORDER = "bag"  # ends by itself when its bag is full; missions go on without it
 ALWAYS_RESPAWNED = ("page",)  # nobody needs it
 RESPAWNED = (
     "adhoc_communication",
@@ -46,6 +46,11 @@ class NodeEnd:
         how = "ended" if self.clean else f"died (exit code {self.exit_code})"
         return f"{self.name} of {robot} {how}; log: {self.log or 'none'}"
 
+    def describe_recording(self) -> str:
+        """Of the recorder."""
+        log = f"; log: {self.log}" if self.log else ""
+        return f"the recorder died (exit code {self.exit_code}); the mission goes on unrecorded{log}"
+
 
 def parse_ends(output: str) -> list[NodeEnd]:
     """All ends of nodes in the output of roslaunch, except of those that may end by themselves."""
@@ -54,7 +59,7 @@ def parse_ends(output: str) -> list[NodeEnd]:
         for found in _NOT_STARTED.finditer(output)
     ]
     for found in _ENDED.finditer(output):
-        if found["name"] in MAY_FINISH and found["how"] != "died":
+        if found["name"] == RECORDER and found["how"] != "died":
             continue
         following = output[found.end() :].split("process has", 1)[0]
         code = _EXIT.search(found["detail"] or "")
@@ -94,7 +99,7 @@ class NodeWatch:
         return [end for end in ends if end.reason or not self._survives(end.name)]
 
     def _survives(self, node: str) -> bool:
-        return node in ALWAYS_RESPAWNED or 0 < self.restarts.get(node, 0) <= MOST_RESTARTS
+        return node == RECORDER or node in ALWAYS_RESPAWNED or 0 < self.restarts.get(node, 0) <= MOST_RESTARTS
 
     def take_lost_map(self) -> bool:
         """Whether SLAM has ended since this was last asked, and its map with it."""
@@ -111,8 +116,10 @@ class NodeWatch:
             return []
         self._seen = size
         output = self._output.read_bytes()[self._begin :].decode(errors="replace")
+        ends = parse_ends(output)
         self._news = [found["text"] for found in _RECORDING.finditer(output)]
-        return parse_ends(output)
+        self._news += [end.describe_recording() for end in ends if end.name == RECORDER]
+        return ends
 
     def take_news(self) -> list[str]:
         """What people should know and the mission survives, each once."""

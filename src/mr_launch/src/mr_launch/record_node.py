@@ -25,4 +25,4 @@ def main() -> int:
     if program is None:
         print("record: rosbag is not installed", file=sys.stderr)
         return 1
-    return guarded(command, folder, least)
+    return guarded(command, folder, least, stays=bool(given.get("respawn")))

@@ -23,7 +23,7 @@ from adhoc_communication.srv import GetNeighbors
 from mr_launch.doctor.facts import FRAME_SIZE, HUB, Clock, Facts, Master, Radio, SetUp, Topic
 from mr_launch.doctor.listener import TYPES, Listener
 from mr_launch.doctor.machine import computer_of, fault_of_name, hub_of, interface_of, key_file_of
-from mr_launch.doctor.set_up import BODY, folders_of, frame_size_of, parameters_of, set_up_of, topics_of
+from mr_launch.doctor.set_up import BODY, RECORDER, folders_of, frame_size_of, parameters_of, set_up_of, topics_of
 
 PATIENCE = 3.0  # s that a master, a node or a service may take to answer
 TAIL = 65536  # octets of a log in which the last words are looked for
@@ -160,8 +160,8 @@ class Robot:
 
     def _of_all_nodes(self, clock: Clock, running: Iterable[str], topics: Mapping[str, Topic], graph: Graph) -> Clock:
         """With nodes and drivers of the robot that began when `simulated` was otherwise. Who simulates the robot need
-        not listen to /clock."""
-        nodes = {self._namespace + node for node in running if node != BODY}
+        not listen to /clock, and who records it does in any case."""
+        nodes = {self._namespace + node for node in running if node not in (BODY, RECORDER)}
         drivers = {node for purpose in TYPES if purpose in topics for node in topics[purpose].publishers}
         listeners = set(graph.subscribers("/clock"))
         if not clock.simulated:

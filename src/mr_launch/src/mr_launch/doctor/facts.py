@@ -159,11 +159,13 @@ class Radio:
 @dataclass(frozen=True)
 class SetUp:
     """How the robot is set up, by the parameters on its master. `nodes` of it that should run; `body`: the node that
-    simulates it, empty for a real robot; `names` that the nodes have for this robot, empty for the host name; `faults`:
-    what is wrong with the parameters of a node."""
+    simulates it, empty for a real robot; `recorder`: the node that records it, empty where nobody wants that; `names`
+    that the nodes have for this robot, empty for the host name; `faults`: what is wrong with the parameters of a node.
+    """
 
     nodes: tuple[str, ...] = ()
     body: str = ""
+    recorder: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
     faults: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     map_frame: str = "map"
@@ -174,7 +176,7 @@ class SetUp:
     @property
     def processes(self) -> tuple[str, ...]:
         """All nodes that should run."""
-        return (*self.nodes, self.body) if self.body else self.nodes
+        return (*self.nodes, *filter(None, (self.body, self.recorder)))
 
 
 @dataclass(frozen=True)

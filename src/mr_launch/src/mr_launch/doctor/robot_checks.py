@@ -68,7 +68,11 @@ def check_nodes(facts: Facts) -> Iterator[Finding]:
             words = facts.last_words.get(node, "")
             said = f"; it said: {words}" if words else ""
             remedy = f"see ~/.ros/log/latest/{node}*.log, mend what it says, start again"
-            yield Finding("nodes", f"the node {node} does not run{said}", remedy)
+            what = f"the node {node} does not run{said}"
+            if node == facts.set_up.recorder:
+                remedy = "see what roslaunch printed of it (a full disk, a full bag?), make room, start again"
+                what = f"the recording has ended: {what}"
+            yield Finding("nodes", what, remedy)
 
 
 def _explained(facts: Facts, node: str) -> bool:

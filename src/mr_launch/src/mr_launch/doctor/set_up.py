@@ -28,6 +28,8 @@ NODES = (
 """Of robot.launch."""
 BODY = "robot"
 """The node of mr_sim that simulates one."""
+RECORDER = "bag"
+"""The node of recorder.launch."""
 WITH_A_BODY = {"map_merger", "explorer", "slam", "move_base"}
 """Those that need scans and odometry; adhoc.launch alone has none of them."""
 
@@ -45,6 +47,7 @@ def set_up_of(given: Parameters) -> SetUp:
     return SetUp(
         nodes,
         BODY if "socket" in simulator else "",  # a node of another launch file may have the name
+        RECORDER if "output" in parameters_of(given, RECORDER) else "",
         {node: str(given[node]["robot_name"]) for node in named},
         {node: found for node, found in faults.items() if found},
         map_frame=_first([merger.get("local_map_frame_id")], "map"),
