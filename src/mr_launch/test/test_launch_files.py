@@ -91,7 +91,7 @@ def test_nodes_of_a_robot(arguments, more, tmp_path):
 @pytest.fixture
 def packages(tmp_path):
     """A folder with empty packages under the names of those of others."""
-    for name in ("gmapping", "slam_toolbox", "hector_mapping", "move_base", "mbf_costmap_nav"):
+    for name in ("gmapping", "slam_toolbox", "hector_mapping", "move_base", "mbf_costmap_nav", "stage_ros"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "package.xml").write_text(
             f"<package><name>{name}</name><version>1.0.0</version><description>x</description>"
@@ -341,12 +341,77 @@ def test_an_own_robot(tmp_path):
         (["navigation:=move_base_flex"], "navigation:=move_base_flex needs the package mbf_costmap_nav"),
         (["slam:=karto"], "slam:=karto is unknown; there are ours, gmapping, slam_toolbox, hector, none"),
         (["slam:=/no.launch"], "slam:=/no.launch: there is no such file"),
+        (
+            ["topology:=central"],
+            "map_merger: parameter topology must be one of distributed, centralized, not 'central'",
+        ),
+        (
+            ["topology:=centralized"],
+            "map_merger: parameter base_station must name the base when topology is centralized",
+        ),
+        (["initial_poses:=anna 1 2"], "map_merger: parameter initial_poses must be of type dict, not 'anna 1 2'"),
+        (["initial_poses:={anna: [1, 2"], "initial_poses:={anna: [1, 2 is no YAML"),
+        (["frontier_selection:=9"], "explorer: parameter ~frontier_selection is 9, out of range 0 to 7"),
+        (["strategy:=nearby"], "explorer: parameter ~strategy is 'nearby'"),
+        (["time_limit:=-1"], "explorer: parameter ~time_limit is -1.0, out of range"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_starts(arguments, part):
     command = ["roslaunch", "--nodes", "mr_launch", "robot.launch", *arguments]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode != 0 and part in result.stderr
+
+
+def refused(name, *arguments):
+    """The first line that it says. Only what roslaunch adds of itself follows."""
+    command = ["roslaunch", "--nodes", "mr_launch", name, *NEEDED.get(name, []), *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode != 0 and "Traceback" not in result.stderr
+    return result.stderr.splitlines()[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["simulator:=stage"], "simulator:=stage needs the package stage_ros, which is not installed"),
+        (["simulator:=gazebo"], "simulator:=gazebo is unknown; there are ours, stage"),
+        (["world:=nosuch"], 'world:=nosuch: no world "nosuch"'),
+        (["world:=small8x8"], "world:=small8x8 has 4 robots, 5 are needed"),
+        (["frontier_selection:=9"], "explorer: parameter ~frontier_selection is 9"),
+    ],
+)
+def test_a_simulation_that_cannot_be_is_refused_before_anything_starts(arguments, part):
+    """gazebo meant ours without a word, and a world that is not there ended all robots after their start."""
+    assert refused("simulation_5.launch", *arguments).startswith(part)
+
+
+def test_the_stage_of_others_is_started_where_it_is_installed(packages):
+    world = f"world:={PACKAGE.parents[1] / 'worlds' / 'office26x15.world'}"
+    nodes = roslaunch("--nodes", "simulation_2.launch", "simulator:=stage", world, packages=packages).split()
+    assert "/stageros" in nodes and "/robot_1/explorer" in nodes
+    with pytest.raises(AssertionError, match="simulator:=stage takes no names of worlds"):
+        roslaunch("--nodes", "simulation_2.launch", "simulator:=stage", packages=packages)
+
+
+@pytest.mark.parametrize("name", ["simulation_2.launch", "simulation_5.launch"])
+def test_robots_under_one_master_are_told_what_their_launch_file_is(name, tmp_path):
+    given = (
+        "slam:=none", "navigation:=none", "team:=pioneer,turtlebot", "robot:=turtlebot", "strategy:=nearest",
+        "time_limit:=90", "distance_limit:=40", "record:=true", f"record_path:={tmp_path}", "page:=true",
+        "page_port:=9000", "log_path:=/logs", "autostart:=false",
+    )  # fmt: skip
+    nodes, parameters = nodes_of(name, *given), parameters_of(name, *given)
+    for number in range(int(name[11])):
+        robot = f"/robot_{number}"
+        there = {node.removeprefix(f"{robot}/") for node in nodes if node.startswith(robot)}
+        assert there == {"adhoc_communication", "map_merger", "explorer", "page", "bag"}
+        words = {
+            "explorer/time_limit": 90.0, "explorer/distance_limit": 40.0, "explorer/strategy": "nearest",
+            "explorer/autostart": False, "explorer/seed": number, "explorer/log_path": "/logs",
+            "explorer/field_of_view": 0.99, "map_merger/largest_robot_radius": 0.29, "page/port": 9000 + number,
+            "page/map_frame": f"robot_{number}/map", "bag/output": f"--output-prefix={tmp_path}{robot}/topics",
+        }  # fmt: skip
+        assert {word: parameters[f"{robot}/{word}"] for word in words} == words
 
 
 def test_the_arguments_stand_in_the_readme():

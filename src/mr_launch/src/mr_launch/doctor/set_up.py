@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import socket
 from dataclasses import fields
-from typing import Any, Callable, Iterable, Iterator, Mapping
+from typing import Any, Callable, Iterable, Iterator
 
 from explorer import options as explorer_options
-from explorer.errors import ExplorerError
 from map_merger import options as merger_options
 from mr_grid.parameter_names import unknown_parameters
 from mr_launch.doctor.facts import FRAME_SIZE, SetUp, Topic
+from mr_launch.node_options import Parameters, explorer_fault, merger_fault
 from mr_robot import parameter_names
 from mr_robot.navigation.options import NavigationError, NavigationOptions
 
-Parameters = Mapping[str, Any]
 NODES = (
     "adhoc_communication",
     "map_merger",
@@ -120,22 +118,12 @@ def _radio_faults(given: Parameters) -> Iterator[str]:
 
 def _explorer_faults(given: Parameters) -> Iterator[str]:
     yield from unknown_parameters(given, explorer_options.known_names())
-    try:
-        explorer_options.load(given)
-    except ExplorerError as error:
-        yield str(error)
+    yield from filter(None, [explorer_fault(given)])
 
 
 def _merger_faults(given: Parameters) -> Iterator[str]:
-    known = set(merger_options.PARAMETERS)
-    yield from unknown_parameters(given, known)
-    values = {name: value for name, value in given.items() if name in known}
-    if values.get("initial_poses") == "":
-        del values["initial_poses"]
-    try:
-        merger_options.options_of(values, socket.gethostname())
-    except merger_options.OptionError as error:
-        yield str(error)
+    yield from unknown_parameters(given, set(merger_options.PARAMETERS))
+    yield from filter(None, [merger_fault(given)])
 
 
 def _navigation_faults(given: Parameters) -> Iterator[str]:
