@@ -457,6 +457,20 @@ class Failures(unittest.TestCase):
             self.assertIn("no route to nobody after 0.1 s", str(raised.exception))
 
 
+class Help(unittest.TestCase):
+    def test_the_node_explains_itself_without_a_master(self):
+        """It waited for one, for ever."""
+        for word in ("--help", "-h"):
+            done = subprocess.run(
+                [program("adhoc_communication"), word],
+                env={**os.environ, "ROS_MASTER_URI": "http://localhost:1"},
+                capture_output=True, text=True, timeout=30.0, check=True,
+            )  # fmt: skip
+            self.assertTrue(done.stdout.startswith("usage: rosrun adhoc_communication adhoc_communication "))
+            self.assertIn("\nParameters: ", done.stdout)
+            self.assertEqual(done.stderr, "")
+
+
 class Documentation(unittest.TestCase):
     def test_parameter_table_of_the_readme(self):
         command = [program("adhoc_communication"), "--list-parameters"]

@@ -44,7 +44,7 @@ class Losing:
 
 sys.meta_path.insert(0, Losing())
 """
-CALLS = {name: re.search(r'run_program\(\s*"([\w.:]+)"', PROGRAMS[name].read_text())[1] for name in NODES}
+CALLS = {name: re.search(r'run_(?:program|node)\(\s*"([\w.:]+)"', PROGRAMS[name].read_text())[1] for name in NODES}
 WIND_UP = {  # what they have begun, when they are interrupted
     "mr_launch/doctor", "mr_launch/export", "mr_launch/replay", "mr_launch/soak", "mr_launch/team",
     "mr_page/bench_page",

@@ -1,7 +1,10 @@
 """What the nodes of a robot load when they start: a robot's computer is small, and each has its own copy of it."""
 
+import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +14,8 @@ NODES = {
     "move_base": "import mr_robot.navigation.node",
     "slam": "import mr_robot.slam.node",
 }
+PACKAGES = Path(__file__).resolve().parents[2]
+HELPED = [path for path in sorted(PACKAGES.glob("*/nodes/*")) if "run_node" in path.read_text()]
 FOREIGN = {"cv2", "matplotlib", "mr_measures", "mr_plans"}
 RUNNER = ("mr_launch.commands", "mr_launch.outside", "mr_launch.inside", "mr_sim.world_process")
 SLOW = {"cv2", "matplotlib", "scipy", "tornado"}
@@ -20,6 +25,26 @@ SLOW = {"cv2", "matplotlib", "scipy", "tornado"}
 def test_node_loads_only_what_it_needs(node):
     foreign = FOREIGN | ({"mr_robot._slam"} if node != "slam" else set())
     assert loaded_of(foreign, NODES[node]) == "[]"
+
+
+@pytest.mark.parametrize("program", HELPED, ids=lambda path: path.name)
+def test_a_node_explains_itself_without_a_master(program):
+    """It waited for one, for ever."""
+    environment = {**os.environ, "ROS_MASTER_URI": "http://localhost:1"}
+    command = [sys.executable, str(program), "--help"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    package = program.parts[-3]
+    assert done.stdout.startswith(f"usage: rosrun {package} {program.name} [_PARAMETER:=VALUE ...]")
+    assert "\nStarted by: " in done.stdout and "\nParameters: " in done.stdout
+
+
+def test_every_node_is_among_them():
+    modules = [path for package in PACKAGES.iterdir() for path in (package / "src" / package.name).rglob("*.py")]
+    nodes = {path for path in modules if re.search(r"^ +init_node\(", path.read_text(), re.MULTILINE)}
+    named = {".".join(path.with_suffix("").parts[path.parts.index("src", len(PACKAGES.parts)) + 1 :]) for path in nodes}
+    explained = {re.search(r'run_node\("([\w.]+)"', path.read_text())[1] for path in HELPED}
+    assert named - explained == {"mr_sim.stageros"}, "which has options, and so a help of its own"
 
 
 @pytest.mark.parametrize("module", RUNNER)

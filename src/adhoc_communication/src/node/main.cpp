@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
+#include <algorithm>
 #include <climits>
 #include <csignal>
 #include <cstring>
@@ -70,10 +71,26 @@ int list_parameters() {
   return 0;
 }
 
+bool asks_for_help(int argc, char** argv) {
+  return std::any_of(argv + 1, argv + argc,
+                     [](const char* word) { return std::strcmp(word, "--help") == 0 || std::strcmp(word, "-h") == 0; });
+}
+
+int print_help() {
+  std::cout << "usage: rosrun adhoc_communication adhoc_communication [_PARAMETER:=VALUE ...] [NAME:=NEW_NAME ...]\n"
+               "       rosrun adhoc_communication adhoc_communication --list-parameters\n\n"
+               "The radio of a robot: neighbours, routes, reliable delivery and groups over raw Ethernet frames.\n\n"
+               "Started by: robot.launch of mr_launch, or adhoc.launch of adhoc_communication\n"
+               "Parameters: Parameters, in the README of adhoc_communication\n\n"
+               "A node of ROS: it waits for a master (roscore, or a launch file) and runs until it is told to end.\n";
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   adhoc_communication::lower_capabilities();  // before the first thread, which would keep them
+  if (argc > 1 && asks_for_help(argc, argv)) return print_help();
   if (argc > 1 && std::strcmp(argv[1], "--list-parameters") == 0) return list_parameters();
   return_large_blocks();
   ros::init(argc, argv, "adhoc_communication", ros::init_options::NoSigintHandler);

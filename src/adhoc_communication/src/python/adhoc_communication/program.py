@@ -4,6 +4,7 @@ Imports may lose a KeyboardInterrupt, or end in its traceback. This module impor
 """
 
 import importlib
+import os
 import signal
 import sys
 from typing import Any, Callable, NoReturn
@@ -28,6 +29,19 @@ def run_program(main: str, *arguments: Any, winds_up: bool = False, first: str =
     if winds_up:
         signal.signal(signal.SIGINT, at_interrupt)
     sys.exit(called(*arguments))
+
+
+def run_node(main: str, description: str) -> NoReturn:
+    """As `run_program` a node of ROS, which takes no options. `main` begins with the name of the package.
+
+    Asked for --help, it prints `description` and ends, without a master.
+    """
+    if {"-h", "--help"} & set(sys.argv[1:]):
+        package, name = main.split(".")[0], os.path.basename(sys.argv[0])
+        print(f"usage: rosrun {package} {name} [_PARAMETER:=VALUE ...] [NAME:=NEW_NAME ...]\n\n{description.strip()}")
+        print("\nA node of ROS: it waits for a master (roscore, or a launch file) and runs until it is told to end.")
+        sys.exit(0)
+    run_program(main)
 
 
 def _function(name: str) -> Callable[..., Any]:
