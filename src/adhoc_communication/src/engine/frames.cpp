@@ -129,8 +129,8 @@ void Engine::Implementation::on_broadcast_data(const wire::FrameHeader& header, 
                                                Time now) {
   const routing::Robot* robot = directory_.find(header.sender);
   if (robot == nullptr) return;
-  const auto image = broadcast_receiver_.take(header.sender, wire::boot_tag(header.boot_id), data, now);
-  if (image) deliver(Carrier::kBroadcast, robot->name, robot->boot, *image, 1, now);
+  auto image = broadcast_receiver_.take(header.sender, wire::boot_tag(header.boot_id), data, now);
+  if (image) deliver(Carrier::kBroadcast, robot->name, robot->boot, std::move(*image), 1, now);
 }
 
 void Engine::Implementation::on_flood(const wire::Flood& flood, Time now) {

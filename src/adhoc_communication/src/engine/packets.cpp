@@ -1,5 +1,6 @@
 // Packets put together: for the host, or about groups.
 #include <algorithm>
+#include <utility>
 
 #include "engine/implementation.hpp"
 
@@ -12,8 +13,8 @@ void Engine::Implementation::deliver_data(const wire::Data& data, Time now) {
     return;
   }
   const std::string source = robot->name;
-  for (const auto& complete : receivers_.take(data, now)) {
-    deliver(Carrier::kStream, source, data.source_boot, complete.image, complete.hops, now);
+  for (auto& complete : receivers_.take(data, now)) {
+    deliver(Carrier::kStream, source, data.source_boot, std::move(complete.image), complete.hops, now);
   }
 }
 
@@ -24,12 +25,13 @@ bool Engine::Implementation::admits(Carrier carrier, const std::string& source, 
   return packet.kind == transport::PacketKind::kUser && packet.group == group;
 }
 
-void Engine::Implementation::deliver(Carrier carrier, const std::string& source, wire::BootTag boot, const Bytes& image,
+void Engine::Implementation::deliver(Carrier carrier, const std::string& source, wire::BootTag boot, Bytes image,
                                      std::uint8_t hops, Time now) {
   const std::size_t little = std::max(kMostFloodOctets, 2 * image.size());
   // One frame, which may claim to be any number of zeros, to each robot of the team.
   const std::size_t most = carrier == Carrier::kFlood ? kMostFloodOctets : SIZE_MAX;
-  std::optional<transport::Packet> packet = transport::parse(image, std::min(options_.max_packet_size, most));
+  std::optional<transport::Packet> packet =
+      transport::parse(std::move(image), std::min(options_.max_packet_size, most));
   if (!packet || !admits(carrier, source, *packet)) return malformed();
   if (packet->kind != transport::PacketKind::kUser) {
     if (packet->unpacked_size > little || !transport::unpack(packet->payload, packet->unpacked_size))
@@ -59,10 +61,10 @@ void Engine::Implementation::forget_evicted(Time now) {
 }
 
 void Engine::Implementation::take_group_packets(Time now) {
-  for (const multicast::Arrived& arrived : distributor_.take_arrived()) {
+  for (multicast::Arrived& arrived : distributor_.take_arrived()) {
     if (!groups_.takes_part(arrived.root)) continue;
     const routing::Robot root = *directory_.find(arrived.root);
-    deliver(Carrier::kGroup, root.name, root.boot, arrived.image, arrived.hops, now);
+    deliver(Carrier::kGroup, root.name, root.boot, std::move(arrived.image), arrived.hops, now);
   }
 }
 

@@ -63,7 +63,7 @@ Image image_of(const Packet& packet) {
   return image;
 }
 
-std::optional<Packet> parse(const Bytes& image, std::size_t largest) {
+std::optional<Packet> parse(Bytes image, std::size_t largest) {
   wire::Reader reader(image);
   const std::uint8_t flags = reader.u8();
   const std::uint8_t kind = reader.u8();
@@ -72,9 +72,11 @@ std::optional<Packet> parse(const Bytes& image, std::size_t largest) {
   packet.group = reader.text8();
   packet.topic = reader.text16();
   const std::uint32_t size = reader.u32();
-  packet.payload = reader.rest();
   if (!reader.ok() || (flags & ~(kCompressed | kLatched)) != 0 || size > largest) return std::nullopt;
   if (kind > static_cast<std::uint8_t>(PacketKind::kGroupCopy)) return std::nullopt;
+  // The image becomes the payload: two of the largest packets at once would be much.
+  image.erase(image.begin(), image.end() - static_cast<std::ptrdiff_t>(reader.left()));
+  packet.payload = std::move(image);
   packet.kind = static_cast<PacketKind>(kind);
   packet.latched = (flags & kLatched) != 0;
   if ((flags & kCompressed) != 0) {
@@ -91,8 +93,8 @@ Image encode(Packet packet) {
   return image_of(packet);
 }
 
-std::optional<Packet> decode(const Bytes& image, std::size_t largest) {
-  std::optional<Packet> packet = parse(image, largest);
+std::optional<Packet> decode(Bytes image, std::size_t largest) {
+  std::optional<Packet> packet = parse(std::move(image), largest);
   if (packet && !unpack(packet->payload, packet->unpacked_size)) return std::nullopt;
   return packet;
 }

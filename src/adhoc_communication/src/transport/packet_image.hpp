@@ -41,11 +41,11 @@ bool unpack(Bytes& payload, std::uint32_t& unpacked_size);
 /// The payload as it is.
 Image image_of(const Packet& packet);
 /// Nothing if the image is malformed or says that it unpacks to more than `largest` octets. The payload stays packed.
-std::optional<Packet> parse(const Bytes& image, std::size_t largest);
+std::optional<Packet> parse(Bytes image, std::size_t largest);
 
 /// As image_of(), packed.
 Image encode(Packet packet);
 /// As parse(), unpacked. Never writes more than `largest` octets.
-std::optional<Packet> decode(const Bytes& image, std::size_t largest);
+std::optional<Packet> decode(Bytes image, std::size_t largest);
 
 }  // namespace adhoc_communication::transport

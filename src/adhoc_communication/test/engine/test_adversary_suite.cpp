@@ -405,12 +405,13 @@ TEST_P(AdversarySuite, FilledRoomKeepsNobodyOut) {
 class StandingRoot {
  public:
   StandingRoot(Team& team, const std::vector<TeamKey>& keys) : team_(team), root_(team, make_host(5), keys) {
-    transport::Packet packet;
-    packet.payload_type = 'A';
-    packet.group = "mc_" + root_.host().name;
-    packet.topic = "topic";
-    packet.payload = noise(largest() - 100);
-    packet_ = std::make_unique<multicast::GroupPacket>(*transport::image_of(packet), 1400);
+    const std::string group = "mc_" + root_.host().name;
+    const std::size_t total = transport::image_size(group, "topic", largest() - 100);
+    packet_ = std::make_unique<multicast::GroupPacket>(static_cast<std::uint32_t>(total), 1400);
+    // All behind the beginning is zeros, so that the packet need not be held here.
+    beginning_ = *transport::image_of({PacketKind::kUser, 'A', group, "topic", Bytes(largest() - 100)});
+    beginning_.resize(1400);
+    beginning_.shrink_to_fit();
     team_.on_transmission = [this](std::size_t robot, const Frame& frame) { remember(robot, frame); };
   }
   ~StandingRoot() { team_.on_transmission = nullptr; }
@@ -423,13 +424,13 @@ class StandingRoot {
     run_for(20ms);
   }
   void send(std::uint32_t number) {
-    int sent = 0;
+    std::size_t sent = 0;
     for (std::size_t block = 0; block < packet_->blocks().size(); ++block) {
       for (int symbol = 0; symbol < packet_->blocks()[block].frames(); ++symbol) {
         wire::GroupData data = frame(number);
         data.block = static_cast<std::uint16_t>(block);
         data.symbol = static_cast<std::uint8_t>(symbol);
-        data.octets = packet_->symbol(block, symbol);
+        data.octets = sent == 0 ? beginning_ : Bytes(std::min<std::size_t>(1400, data.total - 1400 * sent));
         root_.say(0, data);
         if (++sent % 50 == 0) run_for(5ms);
       }
@@ -482,7 +483,8 @@ class StandingRoot {
 
   Team& team_;
   Insider root_;
-  std::unique_ptr<multicast::GroupPacket> packet_;
+  std::unique_ptr<multicast::GroupPacket> packet_;  ///< how it is cut
+  Bytes beginning_;                                 ///< its first frame
   std::vector<wire::FrameHeader> owed_;
 };
 
