@@ -71,6 +71,9 @@ def test_the_worst_seed_of_the_adversaries_counts():
     assert (row["value"], row["holds"]) == (64.1, False)
     assert bench.memory_row("open team", reports[:1])["holds"]
     assert not bench.memory_row("open team", [{"tests": 0}])["holds"], "nothing was played"
+    row = bench.memory_row("open team", reports[:1], bench.DEFAULT_PACKET)
+    assert row["what"].endswith("max_packet_size as by default, open team: peak of the process")
+    assert row["detail"].endswith("packets of at most 10 MB")
     row = bench.success_row("open team", reports)
     assert (row["value"], row["holds"], row["detail"]) == (0, True, "2 adversaries, 3 seeds each")
     row = bench.success_row("open team", [report(1), report(1, failed=["Bombs"])])
