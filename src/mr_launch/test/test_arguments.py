@@ -35,6 +35,8 @@ def test_defaults():
         (["--rtf", "inf"], "--rtf inf is out of range"),
         (["--duration", "0"], "--duration 0 is out of range"),
         (["--seed", "-5"], "--seed -5 is out of range"),
+        (["--time-limit", "-1"], "--time-limit -1: parameter ~time_limit is -1.0, out of range"),
+        (["--distance-limit", "nan"], "--distance-limit nan: parameter ~distance_limit is nan, out of range"),
         (["--robots", "0"], "--robots 0: a team has at least one robot"),
         (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
         (["--strategy", "8"], "--strategy: strategy 8 is unknown; there are 0 nearest_path, 1 auction"),

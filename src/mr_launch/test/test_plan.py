@@ -11,6 +11,7 @@ from test_launch_files import parameters_of
 from mr_grid import Pose
 from mr_launch import isolation
 from mr_launch.arguments import parse_arguments
+from mr_launch.begun import asked_settings
 from mr_launch.errors import UserError
 from mr_launch.plan import (
     Plan,
@@ -163,6 +164,19 @@ def test_start_poses_are_told_only_when_asked_for():
     assert launch_arguments(launch_command(plan(), ROBOTS[0]))["initial_poses"] == "{}"
     told = launch_arguments(launch_command(plan(isolation.NAMESPACES, "--initial-poses"), ROBOTS[0]))["initial_poses"]
     assert json.loads(told) == {"robot_0": [1.0, 2.0, 0.5], "a_robot_with_a_long_name": [1.0, 3.0, 0.0]}
+
+
+def test_limits_reach_the_explorer_and_the_record():
+    limited = plan(isolation.NAMESPACES, "--time-limit", "90", "--distance-limit", "40.5")
+    given = launch_arguments(launch_command(limited, ROBOTS[0]))
+    words = [f"{name}:={given[name]}" for name in ("time_limit", "distance_limit")]
+    parameters = parameters_of("team_robot.launch", *words)
+    assert [parameters[f"/explorer/{name}"] for name in ("time_limit", "distance_limit")] == [90.0, 40.5]
+    settings = asked_settings(limited)
+    assert (settings["time_limit"], settings["distance_limit"]) == (90.0, 40.5)
+    old = json.loads(limited.to_json())
+    del old["options"]["time_limit"], old["options"]["distance_limit"]
+    assert Plan.from_json(json.dumps(old)).options.time_limit == 0.0, "recordings of before"
 
 
 def test_every_robot_has_its_own_master_and_logs():

@@ -56,6 +56,8 @@ class Options:
     open: bool = False
     page: int = 0  # port of the status page; 0: there is none
     respawn: bool = False
+    time_limit: float = 0.0  # s after which each robot ends its exploration; 0: none
+    distance_limit: float = 0.0  # m of way, likewise
 
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
@@ -97,6 +99,16 @@ def strategy_number(text: str) -> int:
         raise UserError(f"--strategy: {error.args[0]}") from None
 
 
+def _check_limits(values: Mapping[str, Any]) -> None:
+    """Raises UserError for what the explorer would refuse."""
+    from mr_launch.node_options import explorer_fault  # as above
+
+    for name in ("time_limit", "distance_limit"):
+        fault = explorer_fault({name: values[name]})
+        if fault:
+            raise UserError(f"--{name.replace('_', '-')} {values[name]:g}: {fault}")
+
+
 def make_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="team",
@@ -133,6 +145,9 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add("--seed", type=int, default=1, metavar="N", help="seed of world and radio (default: %(default)s)")
     add("--duration", type=float, default=900.0, metavar="S", help="limit in s of simulation time (default: 900)")
+    for name, unit, what in (("time", "s", "simulation time"), ("distance", "m", "way")):
+        ends = f"{unit} of {what} after which each robot ends its exploration and drives home (default: 0, none)"
+        add(f"--{name}-limit", type=float, default=0.0, metavar=unit.upper(), help=ends)
     add(
         "--out",
         default="",
@@ -189,6 +204,7 @@ def parse_arguments(arguments: Sequence[str], now: float | None = None) -> Optio
         value = values[name.replace("-", "_")]
         if not (math.isfinite(value) and lowest <= value <= highest):
             raise UserError(f"--{name} {value:g} is out of range: {lowest:g} to {highest:g} {unit}".rstrip())
+    _check_limits(values)
     values["strategy"] = strategy_number(values["strategy"])
     if values["robots"] is not None and values["robots"] < 1:
         raise UserError(f"--robots {values['robots']}: a team has at least one robot")

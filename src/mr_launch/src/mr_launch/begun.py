@@ -37,6 +37,8 @@ def asked_settings(plan: Plan) -> dict[str, Any]:
         "scenario": STACK,
         "strategy": options.strategy,
         "limit": options.duration,
+        "time_limit": options.time_limit,
+        "distance_limit": options.distance_limit,
         "fast": False,
         "radio": {
             "range": options.range,

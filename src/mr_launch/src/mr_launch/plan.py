@@ -216,6 +216,8 @@ def launch_command(plan: Plan, robot: RobotPlan, boot: int = 1) -> list[str]:
         "slam": options.slam,
         "navigation": options.navigation,
         "frontier_selection": str(options.strategy),
+        "time_limit": str(options.time_limit),
+        "distance_limit": str(options.distance_limit),
         "initial_poses": initial_poses(plan) if options.initial_poses else "{}",
         "topology": options.topology,
         "base_station": plan.base.name if plan.base else "",
