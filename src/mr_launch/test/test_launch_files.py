@@ -414,11 +414,19 @@ def test_robots_under_one_master_are_told_what_their_launch_file_is(name, tmp_pa
         assert {word: parameters[f"{robot}/{word}"] for word in words} == words
 
 
-def test_the_arguments_stand_in_the_readme():
-    root = ElementTree.parse(PACKAGE / "launch" / "robot.launch").getroot()
-    table = (PACKAGE / "README.md").read_text().split("| Argument | Default | Meaning |")[1].split("\n\n")[0]
+@pytest.mark.parametrize(
+    ("name", "heading"), [("robot.launch", "Argument"), ("base_station.launch", "Argument of the base")]
+)
+def test_the_arguments_stand_in_the_readme(name, heading):
+    root = ElementTree.parse(PACKAGE / "launch" / name).getroot()
+    table = (PACKAGE / "README.md").read_text().split(f"| {heading} | Default | Meaning |")[1].split("\n\n")[0]
     for argument in root.findall("arg"):
         assert f"`{argument.get('name')}`" in table, argument.get("name")
+
+
+def test_a_base_station_keeps_its_records_where_it_is_told(tmp_path):
+    parameters = parameters_of("base_station.launch", "record:=true", f"record_path:={tmp_path}")
+    assert parameters["/bag/output"] == f"--output-prefix={tmp_path}/topics"
 
 
 def test_every_node_knows_the_robots_name():

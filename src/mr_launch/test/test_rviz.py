@@ -22,3 +22,12 @@ def test_topics_are_published(file):
     displays = yaml.safe_load(file.read_text(encoding="utf-8"))["Visualization Manager"]["Displays"]
     topics = {display[key] for display in displays for key in ("Topic", "Marker Topic") if key in display}
     assert len(topics) >= 4 and topics <= published | OTHERS
+
+
+def test_all_topics_of_a_robot_are_renamed_for_one_of_several_under_one_master():
+    view = yaml.safe_load((FILES[0].parent / "robot.rviz").read_text(encoding="utf-8"))["Visualization Manager"]
+    read = [*view["Displays"], *view["Tools"]]
+    topics = {each[key].lstrip("/") for each in read for key in ("Topic", "Marker Topic") if key in each}
+    readme = (FILES[0].parents[1] / "README.md").read_text(encoding="utf-8")
+    renamed = readme.split("$(for topic in ")[1].split("; do")[0].replace("\\", "").split()
+    assert set(renamed) == topics
