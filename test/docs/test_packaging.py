@@ -1,5 +1,6 @@
 """Changelogs, Dockerfiles, the workflow and tools/test name what is there, and tools/test all of it."""
 
+import ast
 import re
 import runpy
 
@@ -74,6 +75,43 @@ def test_noetic_gets_all_packages_that_the_core_needs():
         text = (REPOSITORY / "src" / name / "package.xml").read_text(encoding="utf-8")
         needed = set(re.findall(r"<(?:build_|exec_)?depend>(\w+)<", text)) & own
         assert needed <= copied, f"{name} needs {needed - copied}"
+
+
+# Of the packages of ros-base, on which Dockerfile.noetic builds.
+OF_ROS_BASE = {
+    "catkin", "geometry_msgs", "message_generation", "message_runtime", "rosgraph", "roscpp", "rospy", "std_msgs",
+}  # fmt: skip
+OPTIONAL = {"python3-rich": ("adhoc_communication/src/python/adhoc_communication/top.py", "from rich.")}
+"""Keys that Ubuntu 20.04 has no package for, and where the program goes on without."""
+
+
+def test_noetic_installs_what_the_core_needs_and_no_more():
+    text = (REPOSITORY / "docker" / "Dockerfile.noetic").read_text(encoding="utf-8")
+    words = re.search(r"apt-get install (.*?)&&", text.replace("\\\n", " "), re.DOTALL).group(1).split()
+    installed = {word for word in words if not word.startswith("-")}
+    table = (REPOSITORY / "tools" / "debian_packages.txt").read_text(encoding="utf-8").splitlines()
+    debian = {key: set(packages) for key, *packages in (line.split() for line in table if not line.startswith("#"))}
+    own = {package.name for package in PACKAGES}
+    needed = {"build-essential", "cmake"}
+    for name in re.findall(r"^COPY src/(\w+) ", text, re.MULTILINE):
+        package = (REPOSITORY / "src" / name / "package.xml").read_text(encoding="utf-8")
+        keys = re.findall(r"<(?:buildtool_|build_|build_export_|exec_)?depend>([^<]+)<", package)
+        for key in set(keys) - own - OF_ROS_BASE - set(OPTIONAL):
+            of_ros = "ros-noetic-" + key.replace("_", "-")
+            packages = {of_ros} if of_ros in installed else debian[key]
+            assert packages <= installed, f"{name} needs {key}: neither {of_ros} nor {sorted(packages)} is installed"
+            needed |= packages
+    assert installed == needed
+
+
+@pytest.mark.parametrize("key", OPTIONAL)
+def test_what_noetic_goes_without_is_imported_in_a_try(key):
+    place, word = OPTIONAL[key]
+    tree = ast.parse((REPOSITORY / "src" / place).read_text(encoding="utf-8"))
+    guarded = [part for node in tree.body if isinstance(node, ast.Try) for part in node.body]
+    assert any(ast.unparse(part).startswith(word) for part in guarded)
+    assert not any(ast.unparse(part).startswith(word) for part in tree.body)
+    assert key in (REPOSITORY / "docker" / "Dockerfile.noetic").read_text(encoding="utf-8")
 
 
 def test_workflow_and_citation_can_be_read():

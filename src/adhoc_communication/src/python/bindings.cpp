@@ -17,8 +17,8 @@ namespace {
 py::bytes octets(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 Bytes bytes_of(const py::bytes& octets) {
-  const std::string_view view = octets;
-  return {view.begin(), view.end()};
+  const std::string text = octets;
+  return {text.begin(), text.end()};
 }
 
 using RasterOfWalls = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
@@ -107,7 +107,7 @@ class PythonTeam {
   std::vector<std::pair<std::size_t, Event>> events_;
 };
 
-void bind_events(py::module_& module) {
+void bind_events(py::module& module) {
   py::class_<PacketReceived>(module, "PacketReceived")
       .def_readonly("source", &PacketReceived::source)
       .def_readonly("group", &PacketReceived::group)
@@ -130,7 +130,7 @@ void bind_events(py::module_& module) {
       .def_readonly("reason", &GroupChangeFinished::reason);
 }
 
-void bind_options(py::module_& module) {
+void bind_options(py::module& module) {
   py::class_<MediumOptions>(module, "MediumOptions")
       .def(py::init<>())
       .def_readwrite("range", &MediumOptions::range)
@@ -154,7 +154,7 @@ void bind_options(py::module_& module) {
       .def_readwrite("join_groups_automatically", &EngineOptions::join_groups_automatically);
 }
 
-void bind_team(py::module_& module) {
+void bind_team(py::module& module) {
   py::class_<PythonTeam>(module, "Team")
       .def(py::init<const MediumOptions&, std::uint64_t>(), py::arg("medium"), py::arg("seed"))
       .def("set_key", &PythonTeam::set_key, py::arg("key"))

@@ -22,8 +22,8 @@ namespace adhoc_communication {
 namespace {
 
 Bytes bytes_of(const py::bytes& octets) {
-  const std::string_view view = octets;
-  return {view.begin(), view.end()};
+  const std::string text = octets;
+  return {text.begin(), text.end()};
 }
 
 template <typename Octets>
@@ -33,10 +33,10 @@ py::bytes python_bytes(const Octets& octets) {
 
 template <typename Octets>
 Octets exactly(const py::bytes& octets) {
-  const std::string_view view = octets;
+  const std::string text = octets;
   Octets value{};
-  if (view.size() != value.size()) throw std::invalid_argument(std::to_string(value.size()) + " octets are needed");
-  std::copy(view.begin(), view.end(), value.begin());
+  if (text.size() != value.size()) throw std::invalid_argument(std::to_string(value.size()) + " octets are needed");
+  std::copy(text.begin(), text.end(), value.begin());
   return value;
 }
 

@@ -9,7 +9,12 @@ import math
 from typing import List, NamedTuple, Optional
 
 import numpy as np
-from scipy import fft
+from scipy.fftpack import next_fast_len
+
+try:
+    from scipy.fft import irfft2, rfft2
+except ImportError:  # SciPy before 1.4, as on Ubuntu 20.04: slower, and of double precision
+    from numpy.fft import irfft2, rfft2
 
 from mr_grid import Pose, normalized
 from mr_grid.imaging import blurred, box_means, dilated
@@ -103,17 +108,14 @@ class _ShiftScorer:
             high = np.maximum(target.surface.points.max(axis=0), clear_points.max(axis=0))
             columns, rows = np.ceil((high - self._low) / self._cell).astype(int) + 1
         side = 2 * self._half + 1
-        self._shape = (
-            fft.next_fast_len(int(rows) + side, real=True),
-            fft.next_fast_len(int(columns) + side, real=True),
-        )
+        self._shape = (next_fast_len(int(rows) + side), next_fast_len(int(columns) + side))
         walls = self._raster(target.surface.points, Pose(), self._low, target.surface.spacing / self._cell)
         clear_weight = (target.info.resolution / self._cell) ** 2 * _stride(target, self._cell) ** 2
         clear = self._raster(clear_points, Pose(), self._low, clear_weight)
         field = np.minimum(blurred(np.minimum(walls, 2.0), 1.0) * 2.0, 1.0)
         field -= _PENALTY * np.minimum(clear, 1.0) * (field < 0.1)
-        self._field = fft.rfft2(field)
-        self._wall_spectrum = fft.rfft2(np.minimum(walls, 2.0))
+        self._field = rfft2(field)
+        self._wall_spectrum = rfft2(np.minimum(walls, 2.0))
         self._wall_weight = source.surface.spacing / self._cell
         self._allowed = None if prior is None else self._near(prior)
 
@@ -125,8 +127,8 @@ class _ShiftScorer:
         clear = self._raster(self._clear, turn, corner, self._clear_weight)
         near_walls = box_means(walls, 3) > 0.0
         clear = np.where(near_walls, 0.0, np.minimum(clear, 1.0)).astype(np.float32)
-        spectra = fft.rfft2(np.stack([walls, clear]))
-        score = fft.irfft2(
+        spectra = rfft2(np.stack([walls, clear]))
+        score = irfft2(
             self._field * np.conj(spectra[0]) - _PENALTY * self._wall_spectrum * np.conj(spectra[1]), self._shape
         )
         return self._best(np.ascontiguousarray(score, dtype=np.float32), rotation)

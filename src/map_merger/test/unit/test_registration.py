@@ -1,6 +1,8 @@
 """Registration: right where maps overlap, declined where they do not or where rooms repeat, never wrong."""
 
+import importlib.util
 import math
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from map_merger import benchmark, features, registration
+from map_merger import benchmark, features, registration, search
 from map_merger.alignment import Alignment
 from map_merger.evidence import Evidence, compare, compare_samples
 from map_merger.job import Job, LandmarkCache, Member, Versioned
@@ -49,6 +51,19 @@ def error(pair, transform):
 def moved(grid, transform):
     """The same map in a frame that is displaced: a point p becomes transform(p)."""
     return OccupancyGrid(replace(grid.info, origin=transform.compose(grid.info.origin)), grid.cells)
+
+
+def test_the_search_needs_no_later_scipy_than_1_3(overlapping, monkeypatch):
+    """Ubuntu 20.04 has 1.3.3, in which scipy.fft is no module."""
+    monkeypatch.setitem(sys.modules, "scipy.fft", None)
+    spec = importlib.util.spec_from_file_location("map_merger.search_of_scipy_1_3", search.__file__)
+    old = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(old)
+    assert old.rfft2 is np.fft.rfft2
+    target, source = (landmarks_of(part.grid) for part in (overlapping.target, overlapping.source))
+    found, expected = (module.candidates(target, source, 3) for module in (old, search))
+    assert [each.score for each in found] == pytest.approx([each.score for each in expected], rel=1e-4)
+    assert [each.transform for each in found] == [each.transform for each in expected]
 
 
 @settings(max_examples=12)
