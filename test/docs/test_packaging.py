@@ -122,5 +122,9 @@ def test_workflow_and_citation_can_be_read():
     for step in workflow["jobs"]["noetic"]["steps"]:
         for file in re.findall(r"-f (\S+)", step.get("run", "")):
             assert (REPOSITORY / file).is_file()
+    assert "schedule" in workflow[True]  # YAML 1.1 takes "on" for a truth value
+    assert "make nightly" in [step.get("run", "") for step in workflow["jobs"]["nightly"]["steps"]]
+    for name, job in workflow["jobs"].items():
+        assert job["if"] == f"github.event_name {'==' if name == 'nightly' else '!='} 'schedule'"
     citation = yaml.safe_load((REPOSITORY / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["cff-version"] == "1.2.0" and citation["license"] == "BSD-3-Clause"

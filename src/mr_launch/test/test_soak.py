@@ -12,12 +12,12 @@ import pytest
 
 from mr_launch.soak import command
 from mr_launch.soak.command import main
-from mr_launch.soak.faults import NODES, disturbed, full_disk, partitions
+from mr_launch.soak.faults import CLOCK_WRONG_S, NODES, disturbed, full_disk, partitions
 from mr_launch.soak.leftovers import Leftovers
 from mr_launch.soak.memory import Sample, Samples, cpu_share, memory_of, slope
 from mr_launch.soak.missions import ROBOTS, Outcome
-from mr_launch.soak.rows import LEAST_HOLD_S, OF_A_ROBOT, OWN_NODES, SETTLE_S, alone_rows, rows_of
-from mr_launch.soak.running import Node, RunningMission
+from mr_launch.soak.rows import ALL_NODES, LEAST_HOLD_S, OF_A_ROBOT, OWN_NODES, SETTLE_S, alone_rows, rows_of
+from mr_launch.soak.running import CLOCK_OFFSET, Node, RunningMission, carried_out
 
 SOURCES = Path(__file__).resolve().parents[2]
 BEGIN, END = 100.0, 100.0 + LEAST_HOLD_S
@@ -33,7 +33,9 @@ def samples(rate, noise=0.0, first=50.0, settles=0.0):
     return [Sample(BEGIN + second, round(1e6 * first), round(1e6 * own(second)), 0.05 * second) for second in seconds]
 
 
-AT_REST = dict.fromkeys(OWN_NODES, 0.0)
+ELSEWHERE = {"link", "mission_control", "velocity_override", "robot_state_publisher", "move_base_flex"}
+"""Nodes of the launch files that a robot of a team does not start."""
+AT_REST = dict.fromkeys(ALL_NODES, 0.0)
 
 
 def outcome(rates, **changes):
@@ -49,8 +51,8 @@ def outcome(rates, **changes):
     return Outcome(**values)
 
 
-def found(*outcomes):
-    return {row["what"]: row for row in rows_of(outcomes)}
+def found(*outcomes, **options):
+    return {row["what"]: row for row in rows_of(outcomes, **options)}
 
 
 def test_slopes_and_shares():
@@ -84,6 +86,34 @@ def test_a_rest_that_is_cut_short_says_nothing():
     rows = found(outcome(AT_REST, hold=(BEGIN, END - 120.0)))
     short = rows["memory at rest: time to look at it"]
     assert not short["holds"] and short["value"] == 8.0 and not any("slope" in what for what in rows)
+
+
+def test_a_short_soak_has_no_verdict_on_memory():
+    short = (BEGIN, BEGIN + 150.0)
+    rows = found(outcome({**AT_REST, "explorer": 3.0}, hold=short), long=False)
+    leak = rows["memory at rest: slope of explorer, worst robot"]
+    assert leak["bar"] == "no verdict" and leak["holds"] and leak["value"] == pytest.approx(3.0, abs=0.01)
+    assert "2.5 min at rest; a verdict needs 15" in leak["detail"]
+    without = {name: rate for name, rate in AT_REST.items() if name != "page"}
+    assert not found(outcome(without, hold=short), long=False)["memory at rest: slope of page"]["holds"]
+
+
+@pytest.mark.parametrize("name", ALL_NODES)
+def test_a_node_whose_memory_was_not_seen_is_a_miss(name):
+    """Once four had to be seen, and that of the page, which the mission at rest did not have, was none of them."""
+    taken = outcome(AT_REST)
+    (one,) = (node for node in taken.samples.by_node if (node.robot, node.name) == ("robot_2", name))
+    del taken.samples.by_node[one]
+    missed = found(taken)[f"memory at rest: slope of {name}"]
+    assert not missed["holds"] and missed["detail"] == "not seen the whole time: robot_2"
+
+
+def test_every_node_that_the_launch_files_start_has_to_be_seen():
+    files = ("mr_launch/launch/robot", "mr_launch/launch/simulated_robot", "mr_launch/launch/recorder",
+             "mr_page/launch/page", "mr_robot/launch/slam", "mr_robot/launch/move_base")  # fmt: skip
+    roots = [ElementTree.parse(f"{SOURCES}/{name}.launch").getroot() for name in files]
+    started = {node.get("name") for root in roots for node in root.iter("node")}
+    assert started - ELSEWHERE | {"master", "rosout", "monitor"} == set(ALL_NODES)
 
 
 def test_what_one_robot_needs():
@@ -141,9 +171,77 @@ def test_a_fault_that_could_not_be_done_is_no_fault_survived():
 
 @pytest.mark.parametrize(("lines", "holds"), [(1, True), (0, False), (2, False)])
 def test_a_full_disk_is_one_line_of_each_robot(lines, holds):
-    said = [f"team: {robot}: less than 200 MB are free in /x" for robot in ROBOTS] * lines
-    rows = found(outcome(AT_REST, said=said, faults=full_disk(ROBOTS, 0)))
-    assert rows["rest: lines of each robot"]["holds"] == holds
+    once = [f"team: {robot}: less than 200 MB are free in /x" for robot in ROBOTS]
+    said = once * lines
+    right = outcome(AT_REST, said=once, faults=full_disk(ROBOTS, 0))
+    rows = found(right, outcome(AT_REST, said=said, faults=full_disk(ROBOTS, 1)))
+    told = rows["full disk: one line of each robot"]
+    assert (told["holds"], told["value"], told["bar"]) == (holds, 1 + holds, "2 of 2")
+
+
+def test_only_what_hurts_is_an_event():
+    """Robots that are back, room on the disk and the node that is killed on a full disk were counted as well."""
+    rows = found(outcome(AT_REST), outcome(AT_REST, faults=full_disk(ROBOTS, 0)),
+                 outcome(AT_REST, faults=partitions(ROBOTS, 80.0)))  # fmt: skip
+    events = {what: row["detail"] for what, row in rows.items() if what.startswith("survived: ")}
+    assert events == {
+        "survived: partition": "3 events", "survived: node kill": f"{len(NODES) + 1} events",
+        "survived: clock jump": "2 events", "survived: master restart": "1 events", "survived: full disk": "2 events",
+    }  # fmt: skip
+
+
+def test_clocks_are_wrong_for_a_while():
+    jumps = [fault for fault in disturbed(ROBOTS, 0) if fault.kind == "clock jump"]
+    for jump in (fault for fault in jumps if fault.hurts):
+        robot = jump.what.split(": ")[0]
+        assert jump.at + CLOCK_WRONG_S in {fault.at for fault in jumps if fault.what == f"{robot}: right"}
+
+
+class Entered(RunningMission):
+    """Robots whose clock goes on by a second whenever somebody enters; `obeys`: it can be set."""
+
+    def __init__(self, obeys):
+        super().__init__(None, Path("/none"))
+        self.time, self.offset, self._obeys = 100.0, 0.0, obeys
+
+    def enter(self, robot, *command):
+        self.time += 1.0
+        if CLOCK_OFFSET in command and self._obeys:
+            self.offset = float(command[-1].split(": ")[1])
+        now = self.time + self.offset
+        return f"secs: {int(now)}\nnsecs:         0\n---\n" if "echo" in command else ""
+
+
+def test_a_clock_that_cannot_be_set_is_no_jump(monkeypatch):
+    """One wrong message was sent, and nobody looked what came of it."""
+    mission = Entered(obeys=True)
+    monkeypatch.setattr("mr_launch.soak.running.time.monotonic", lambda: mission.time)
+    assert [mission.set_clock("robot_0", offset) for offset in (60.0, 0.0, -20.0, 0.0)] == [True] * 4
+    mission = Entered(obeys=False)
+    assert not mission.set_clock("robot_0", 60.0)
+
+
+class Radio:
+    """The radio daemon on the other end of its control socket."""
+
+    def __init__(self):
+        self._answers = []
+
+    def send(self, lines):
+        for line in lines.decode().split("\n")[:-1]:
+            if line == "statistics":
+                self._answers.append(b'{"frames": 0, "robots": {"robot_0": {}}}')
+            elif line != "down robot_0":
+                self._answers.append(f"command '{line}' is not one of".encode())
+
+    def recv(self, _):
+        return self._answers.pop(0)
+
+
+def test_what_the_radio_has_not_done_is_no_partition():
+    assert carried_out(Radio(), "down", "robot_0")
+    assert not carried_out(Radio(), "down", "robot_9"), "whom it does not know it would take up"
+    assert not carried_out(Radio(), "hide", "robot_0")
 
 
 def test_everything_happens_to_everybody():
@@ -161,8 +259,7 @@ def test_every_node_is_killed_that_a_robot_of_a_team_starts_again():
     files = ("mr_launch/launch/robot", "mr_page/launch/page", "mr_robot/launch/slam", "mr_robot/launch/move_base")
     roots = [ElementTree.parse(f"{SOURCES}/{name}.launch").getroot() for name in files]
     again = {node.get("name") for root in roots for node in root.iter("node") if node.get("respawn")}
-    elsewhere = {"link", "mission_control", "velocity_override", "robot_state_publisher", "move_base_flex"}
-    assert again - elsewhere == set(NODES)
+    assert again - ELSEWHERE == set(NODES)
 
 
 @contextlib.contextmanager
@@ -197,7 +294,7 @@ def test_nodes_are_told_by_their_logs(tmp_path):
 def test_bad_options(capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["--minutes", "1"])
-    assert stopped.value.code == 2 and "--minutes 1 is out of range: 30 to 1440" in capsys.readouterr().err
+    assert stopped.value.code == 2 and "--minutes 1 is out of range: 10 to 1440" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -253,3 +350,22 @@ def test_a_soak_ends_with_a_mission_that_is_refused(monkeypatch):
     outcomes = []
     command.soak(command.Path("/none"), "office26x15", 1, 1e6, outcomes)
     assert [each.code for each in outcomes] == [2]
+
+
+@pytest.mark.parametrize(("minutes", "hold"), [(10.0, 150.0), (30.0, LEAST_HOLD_S), (120.0, 1800.0)])
+def test_the_mission_at_rest_is_watched_with_a_page(minutes, hold, monkeypatch):
+    asked, held = [], []
+
+    class Mission:
+        name = "rest"
+
+        def __init__(self, *_, **options):
+            asked.append(options)
+
+        def run(self, _, seconds):
+            held.append(seconds)
+            return outcome(AT_REST, code=2)
+
+    monkeypatch.setattr(command, "SoakMission", Mission)
+    command.soak(command.Path("/none"), "office26x15", 1, 60.0 * minutes, [])
+    assert asked[0]["page"] and held == [hold]

@@ -9,12 +9,14 @@ from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float64
 
 from mr_grid.ros_node import init_node
 from mr_sim import protocol, ros_io
 from mr_sim.world_client import ConnectionRefused, WorldClient
 
 CLOCK_INTERVAL = 0.05  # s of simulated time
+LARGEST_OFFSET = 1e6  # s
 
 # Private parameters and their defaults.
 PARAMETERS = {
@@ -25,7 +27,7 @@ PARAMETERS = {
     "publish_ground_truth": True,
     "connect_timeout": 30.0,
 }
-TOPICS = ("cmd_vel", "odom", "base_pose_ground_truth", "base_scan")
+TOPICS = ("cmd_vel", "odom", "base_pose_ground_truth", "base_scan", "~clock_offset")
 
 
 class ParameterError(ValueError):
@@ -55,6 +57,7 @@ class RobotNode:
     def __init__(self, client: WorldClient, prefix: str, publish_clock: bool, publish_ground_truth: bool) -> None:
         self._client = client
         self._prefix = prefix
+        self._offset = 0.0
         self._next_clock = 0.0 if publish_clock else math.inf
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10) if publish_clock else None
         self._odometry = rospy.Publisher(prefix + "odom", Odometry, queue_size=10)
@@ -73,6 +76,7 @@ class RobotNode:
         self._transforms = tf2_ros.TransformBroadcaster()
         self._laser_frames = frames
         self._subscriber = rospy.Subscriber(prefix + "cmd_vel", Twist, self._on_command, queue_size=1, tcp_nodelay=True)
+        self._offsets = rospy.Subscriber("~clock_offset", Float64, self._on_offset, queue_size=1)
 
     def static_transforms(self) -> list[TransformStamped]:
         """From base_footprint to base_link and on to each laser, for /tf_static."""
@@ -89,6 +93,17 @@ class RobotNode:
             self._client.command(linear, angular, lateral)
         else:
             rospy.logwarn_throttle(1.0, "cmd_vel ignored: its velocities must be finite numbers")
+
+    def _on_offset(self, message: Float64) -> None:
+        if math.isfinite(message.data) and abs(message.data) <= LARGEST_OFFSET:
+            self._offset = message.data
+            rospy.logwarn("the clock of this robot is %g s ahead of the world from now on", message.data)
+        else:
+            rospy.logwarn("clock_offset ignored: give at most %g s", LARGEST_OFFSET)
+
+    def _stamp(self, seconds: float) -> rospy.Time:
+        """What the clock of the robot says at this time of the world (s); no clock goes below 0."""
+        return rospy.Time.from_sec(max(0.0, seconds + self._offset))
 
     def run(self) -> int:
         """Publish until the world ends (0) or the connection is lost (1)."""
@@ -107,7 +122,7 @@ class RobotNode:
         return 0
 
     def _publish_state(self, state: protocol.State) -> None:
-        stamp = rospy.Time.from_sec(state.time)
+        stamp = self._stamp(state.time)
         if self._clock and state.time >= self._next_clock:
             self._next_clock = state.time + CLOCK_INTERVAL - 1e-6
             self._clock.publish(stamp)
@@ -121,7 +136,7 @@ class RobotNode:
 
     def _publish_ranges(self, message: protocol.Ranges) -> None:
         scan = self._scan_messages[message.ranger]
-        scan.header.stamp = rospy.Time.from_sec(message.time)
+        scan.header.stamp = self._stamp(message.time)
         scan.ranges = message.ranges
         self._scans[message.ranger].publish(scan)
 

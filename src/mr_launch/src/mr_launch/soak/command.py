@@ -21,7 +21,8 @@ from mr_launch.world import check_start, find_world, robots_of
 
 HOLD_SHARE = 0.25  # of the whole time
 MOST_MISSIONS = 10000  # each has a seed of its own
-SHORTEST, LONGEST = 30.0, 1440.0  # min: one mission of each kind, and the rest
+SHORTEST, LONGEST = 10.0, 1440.0  # min: one mission of each kind, and the rest
+LEAST_FOR_MEMORY = 30.0  # min, below which there is no verdict on memory
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -29,7 +30,8 @@ def make_parser() -> argparse.ArgumentParser:
         prog="soak",
         description="Three robots, mission after mission, with partitions, killed nodes, masters that restart, a full "
         "disk and clocks that jump. In the first one nothing is killed, and the robots stand for a quarter of the "
-        f"time, {LEAST_HOLD_S / 60.0:g} min at least, to look at their memory. Needs root, for disks and namespaces of "
+        f"time, {LEAST_HOLD_S / 60.0:g} min at least, to look at their memory; of less than {LEAST_FOR_MEMORY:g} min "
+        "in all they stand for a quarter, and there is no verdict on memory. Needs root, for disks and namespaces of "
         "its own.",
         epilog="Exit code: 0 all was survived and nothing left, 1 not, 2 bad options, 130 interrupted.",
     )
@@ -79,7 +81,10 @@ def main(arguments: Sequence[str]) -> int:
         except KeyboardInterrupt:
             interrupted = True
             print("soak: interrupted; the rows are those of the missions before", file=sys.stderr)
-    rows = [entry for outcome in outcomes for entry in alone_rows(outcome)] if options.alone else rows_of(outcomes)
+    if options.alone:
+        rows = [entry for outcome in outcomes for entry in alone_rows(outcome)]
+    else:
+        rows = rows_of(outcomes, long=options.minutes >= LEAST_FOR_MEMORY)
     if options.out:
         options.out.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
     if interrupted:
@@ -104,8 +109,9 @@ def soak(folder: Path, world: str, seed: int, seconds: float, outcomes: list[Out
     """One mission at rest, then disturbed ones and such on a full disk in turns, at least one of each; adds to
     `outcomes`. Ends with a call that the team runner refuses."""
     end = time.monotonic() + seconds
-    rest = SoakMission("rest", folder / "0_rest", world, seed)
-    outcomes.append(_run(rest, hold=max(HOLD_SHARE * seconds, LEAST_HOLD_S)))
+    rest = SoakMission("rest", folder / "0_rest", world, seed, page=True)
+    hold = HOLD_SHARE * seconds
+    outcomes.append(_run(rest, hold=max(hold, LEAST_HOLD_S) if seconds >= 60.0 * LEAST_FOR_MEMORY else hold))
     turn = 0
     while outcomes[-1].code != BAD_CALL and (turn < 2 or time.monotonic() < end):
         number = seed + turn + 1

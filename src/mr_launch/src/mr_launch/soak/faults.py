@@ -10,29 +10,31 @@ from mr_launch.soak.running import RunningMission
 
 NODES = ("explorer", "map_merger", "adhoc_communication", "move_base", "slam", "page")  # that are started again
 LEFT_MB, DISK_MB = 60, 400  # what a nearly full disk has left, below what recorders want; size of the small disk
+CLOCK_WRONG_S = 20.0
 BALLAST = "ballast"
 
 
 @dataclass(frozen=True)
 class Fault:
     """`at`: s after the robots began to explore; `kind`: what it counts as in the table; `do`: False if it could not be
-    done."""
+    done; `hurts`: False for what ends another one."""
 
     at: float
     kind: str
     what: str
     do: Callable[[RunningMission], bool]
+    hurts: bool = True
 
 
 def disturbed(robots: list[str], rotation: int) -> list[Fault]:
-    """A partition, every node killed once, a restart of a master, clocks that jump. `rotation`: who it hits."""
+    """A partition, every node killed once, a restart of a master, clocks that are wrong for a while. `rotation`: who it
+    hits."""
     first, second, third = (robots[(rotation + index) % len(robots)] for index in range(3))
     victims = (first, second, third, first, third, second)
     faults = [
-        Fault(8.0, "partition", f"{third} hears nobody", lambda mission: mission.tell_radio(f"down {third}")),
-        Fault(28.0, "partition", f"{third} is back", lambda mission: mission.tell_radio(f"up {third}")),
-        Fault(32.0, "clock jump", f"{first}: 60 s ahead", lambda mission: mission.jump_clock(first, 60.0)),
-        Fault(44.0, "clock jump", f"{third}: 20 s back", lambda mission: mission.jump_clock(third, -20.0)),
+        *_partition(8.0, 20.0, third),
+        *_wrong_clock(32.0, first, 60.0),
+        *_wrong_clock(44.0, third, -20.0),
         Fault(56.0, "master restart", f"master of {second} dies", lambda mission: mission.kill(second, "master")),
     ]
     for index, (node, victim) in enumerate(zip(NODES, victims)):
@@ -46,22 +48,15 @@ def full_disk(robots: list[str], rotation: int) -> list[Fault]:
     return [
         Fault(15.0, "full disk", f"{LEFT_MB} MB are left", lambda mission: fill(mission, LEFT_MB)),
         Fault(30.0, "full disk", "nothing is left", lambda mission: fill(mission, 0)),
-        _kill(36.0, victim, "map_merger", "full disk"),
-        Fault(60.0, "full disk", "there is room again", make_room),
+        _kill(36.0, victim, "map_merger"),
+        Fault(60.0, "full disk", "there is room again", make_room, hurts=False),
     ]
 
 
 def partitions(robots: list[str], seconds: float) -> list[Fault]:
     """One robot after the other out of reach, while all stand."""
-    faults = []
-    for index in range(int(seconds // 40)):
-        robot = robots[index % len(robots)]
-        for at, word in ((0.0, "down"), (15.0, "up")):
-            faults.append(
-                Fault(40.0 * index + at, "partition", f"{word} {robot}",
-                      lambda mission, line=f"{word} {robot}": mission.tell_radio(line))  # type: ignore[misc]
-            )  # fmt: skip
-    return faults
+    turns = range(int(seconds // 40))
+    return [fault for turn in turns for fault in _partition(40.0 * turn, 15.0, robots[turn % len(robots)])]
 
 
 def make_room(mission: RunningMission) -> bool:
@@ -83,5 +78,28 @@ def fill(mission: RunningMission, left_mb: int) -> bool:
                 return True
 
 
-def _kill(at: float, robot: str, node: str, kind: str = "node kill") -> Fault:
-    return Fault(at, kind, f"{node} of {robot} is killed", lambda mission: mission.kill(robot, node))
+def _kill(at: float, robot: str, node: str) -> Fault:
+    return Fault(at, "node kill", f"{node} of {robot} is killed", lambda mission: mission.kill(robot, node))
+
+
+def _partition(at: float, seconds: float, robot: str) -> list[Fault]:
+    def tell(command: str) -> Callable[[RunningMission], bool]:
+        return lambda mission: mission.tell_radio(command, robot)
+
+    return [
+        Fault(at, "partition", f"{robot} hears nobody", tell("down")),
+        Fault(at + seconds, "partition", f"{robot} is back", tell("up"), hurts=False),
+    ]
+
+
+def _wrong_clock(at: float, robot: str, offset: float) -> list[Fault]:
+    """With all that the robot stamps; it jumps there and back."""
+
+    def set_to(offset: float) -> Callable[[RunningMission], bool]:
+        return lambda mission: mission.set_clock(robot, offset)
+
+    what = f"clock of {robot}: {abs(offset):g} s {'ahead' if offset > 0.0 else 'back'}"
+    return [
+        Fault(at, "clock jump", what, set_to(offset)),
+        Fault(at + CLOCK_WRONG_S, "clock jump", f"clock of {robot}: right", set_to(0.0), hurts=False),
+    ]

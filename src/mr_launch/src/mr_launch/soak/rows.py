@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 from mr_launch.soak.memory import Sample, Samples, cpu_share, slope
 from mr_launch.soak.missions import ROBOTS, Outcome
@@ -12,6 +12,7 @@ from mr_launch.soak.missions import ROBOTS, Outcome
 Row = dict[str, Any]
 OWN_NODES = ("adhoc_communication", "map_merger", "explorer", "move_base")  # a robot's, without simulator and SLAM
 OF_A_ROBOT = (*OWN_NODES, "slam", "master", "rosout")  # all that robot.launch starts, and what they need
+ALL_NODES = (*OF_A_ROBOT, "robot", "bag", "monitor", "page")  # of a robot of a team with a status page
 CPU_BAR, PSS_BAR_MB = 0.20, 350.0
 SLOPE_BAR = 0.2  # MB per minute of any node, less twice the standard error
 # After a mission caches fill, allocators reach their high-water mark and the last registrations end: some MB in the
@@ -26,8 +27,10 @@ def row(what: str, bar: str, value: Any, unit: str, holds: bool, detail: str) ->
     return {"what": what, "bar": bar, "value": value, "unit": unit, "holds": holds, "detail": detail}
 
 
-def rows_of(outcomes: Sequence[Outcome]) -> list[Row]:
-    return [*_survival(outcomes), *_faults(outcomes), *_disk(outcomes), *_memory(outcomes), *_resources(outcomes)]
+def rows_of(outcomes: Sequence[Outcome], long: bool = True) -> list[Row]:
+    """`long`: False where the robots stood too short a time for a verdict on memory, and were meant to."""
+    memory = _memory(outcomes, long)
+    return [*_survival(outcomes), *_faults(outcomes), *_disk(outcomes), *memory, *_resources(outcomes)]
 
 
 def _survival(outcomes: Sequence[Outcome]) -> list[Row]:
@@ -49,7 +52,7 @@ def _faults(outcomes: Sequence[Outcome]) -> list[Row]:
     for kind in dict.fromkeys(fault.kind for outcome in outcomes for fault in outcome.faults):
         hit = [outcome for outcome in outcomes if any(fault.kind == kind for fault in outcome.faults)]
         good = sum(outcome.survived for outcome in hit)
-        events = sum(fault.kind == kind for outcome in hit for fault in outcome.faults)
+        events = sum(fault.kind == kind and fault.hurts for outcome in hit for fault in outcome.faults)
         bar = f"{len(hit)} of {len(hit)}"
         rows.append(row(f"survived: {kind}", bar, good, "missions", good == len(hit), f"{events} events"))
     omitted = [f"{outcome.name}: {fault.what}" for outcome in outcomes for fault in outcome.omitted]
@@ -65,39 +68,51 @@ def _faults(outcomes: Sequence[Outcome]) -> list[Row]:
 
 def _disk(outcomes: Sequence[Outcome]) -> list[Row]:
     """Each robot's recording ends with one line, and nothing else is said of the disk."""
-    rows = []
-    for outcome in outcomes:
-        if any(fault.kind == "full disk" for fault in outcome.faults):
-            lines = [line for line in outcome.said if "MB are free" in line or "o space left" in line]
-            told = [sum(line.startswith(f"team: {name}: ") for line in lines) for name in ROBOTS]
-            holds = told == [1] * len(ROBOTS) and len(lines) == len(ROBOTS)
-            rows.append(row(f"{outcome.name}: lines of each robot", "1", max(told), "lines", holds, "; ".join(lines)))
-    return rows
+    hit = [outcome for outcome in outcomes if any(fault.kind == "full disk" for fault in outcome.faults)]
+    if not hit:
+        return []
+    others = []
+    for outcome in hit:
+        lines = [line for line in outcome.said if "MB are free" in line or "o space left" in line]
+        told = [sum(line.startswith(f"team: {name}: ") for line in lines) for name in ROBOTS]
+        if told != [1] * len(ROBOTS) or len(lines) != len(ROBOTS):
+            others.append(f"{outcome.name}: {'; '.join(lines) or 'nothing'}")
+    bar, good = f"{len(hit)} of {len(hit)}", len(hit) - len(others)
+    return [row("full disk: one line of each robot", bar, good, "missions", not others, " | ".join(others))]
 
 
-def _memory(outcomes: Sequence[Outcome]) -> list[Row]:
+def _memory(outcomes: Sequence[Outcome], long: bool) -> list[Row]:
     """By node the robot with the steepest slope, less twice its standard error."""
     rows = []
     for outcome in outcomes:
         start, end = outcome.hold
         if end <= start:
             continue
-        settled = start + SETTLE_S
-        if end - settled < WATCHED_S:
+        settled = start + SETTLE_S if long else start
+        if long and end - settled < WATCHED_S:
             what, detail = "memory at rest: time to look at it", "the mission ended before"
             rows.append(row(what, f">= {WATCHED_S / 60.0:g}", round((end - settled) / 60.0, 1), "min", False, detail))
             continue
-        worst: dict[str, tuple[float, float]] = {}
-        for node, samples in outcome.samples.between(settled, end).items():
-            worst[node.name] = max(worst.get(node.name, (-math.inf, 0.0)), slope(samples), key=_at_least)
-        for name in sorted(set(OWN_NODES) - set(worst)):
-            rows.append(row(f"memory at rest: slope of {name}", f"<= {SLOPE_BAR:g}", None, "MB/min", False, "not seen"))
-        for name, (rate, error) in sorted(worst.items()):
-            detail = f"+- {2.0 * error:.3f}, {(end - settled) / 60.0:.1f} min at rest"
-            holds = _at_least((rate, error)) <= SLOPE_BAR
-            what = f"memory at rest: slope of {name}, worst robot"
-            rows.append(row(what, f"<= {SLOPE_BAR:g}", round(rate, 3), "MB/min", holds, detail))
+        seen = outcome.samples.between(settled, end)
+        for name in sorted({*ALL_NODES, *(node.name for node in seen)}):
+            slopes = {node.robot: slope(samples) for node, samples in seen.items() if node.name == name}
+            rows.append(_slope_row(name, slopes, (end - settled) / 60.0, long))
     return rows
+
+
+def _slope_row(name: str, slopes: Mapping[str, tuple[float, float]], minutes: float, long: bool) -> Row:
+    """`slopes`: of each robot's node, with the standard error, MB/min."""
+    bar = f"<= {SLOPE_BAR:g}" if long else "no verdict"
+    missing = [robot for robot in ROBOTS if robot not in slopes]
+    if missing:
+        what = f"memory at rest: slope of {name}"
+        return row(what, bar, None, "MB/min", False, f"not seen the whole time: {', '.join(missing)}")
+    rate, error = max(slopes.values(), key=_at_least)
+    detail = f"+- {2.0 * error:.3f}, {minutes:.1f} min at rest"
+    if not long:
+        detail += f"; a verdict needs {LEAST_HOLD_S / 60.0:g}"
+    holds = not long or _at_least((rate, error)) <= SLOPE_BAR
+    return row(f"memory at rest: slope of {name}, worst robot", bar, round(rate, 3), "MB/min", holds, detail)
 
 
 def _at_least(slope: tuple[float, float]) -> float:

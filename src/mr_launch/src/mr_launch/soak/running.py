@@ -8,12 +8,16 @@ import re
 import signal
 import socket
 import subprocess
+import time
 from pathlib import Path
 from typing import Iterator, NamedTuple
 
 from mr_launch.isolation import PRIVATE_MOUNT
 from mr_launch.plan import RADIO_CONTROL
 
+CLOCK_OFFSET = "/robot/clock_offset"  # topic of a simulated robot
+PATIENCE = 5.0  # s for an answer of the radio daemon
+ANSWER_OCTETS = 1 << 16
 _NODE = re.compile(r"__log:=\S*/logs/(?P<robot>[^/\s]+)/nodes/(?P<node>\w+?)(?:-\d+)?\.log")
 
 
@@ -29,6 +33,7 @@ class RunningMission:
     def __init__(self, process: subprocess.Popen[bytes], out: Path) -> None:
         self.process = process
         self.out = out
+        self._offsets: dict[str, float] = {}
 
     def path(self, name: str) -> Path:
         """A file of the output folder, as this process reaches it."""
@@ -60,13 +65,13 @@ class RunningMission:
             os.kill(pid, signal.SIGKILL)
         return bool(pids)
 
-    def tell_radio(self, line: str) -> bool:
-        """A line for the control socket of the radio daemon."""
+    def tell_radio(self, command: str, robot: str) -> bool:
+        """A line for the control socket of the radio daemon; False unless it knows the robot and has carried it out."""
         init = json.loads(self.path("team.json").read_text())["init"]
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
+            control.settimeout(PATIENCE)
             control.connect(f"/proc/{init}/root{PRIVATE_MOUNT}/{RADIO_CONTROL}")
-            control.send(line.encode() + b"\n")
-        return True
+            return carried_out(control, command, robot)
 
     def enter(self, robot: str, *command: str) -> str:
         """Output of a command in the place of a robot; nothing if it takes a minute."""
@@ -78,12 +83,34 @@ class RunningMission:
             return ""
         return done.stdout + done.stderr
 
-    def jump_clock(self, robot: str, seconds: float) -> bool:
-        """One reading of the time that is wrong by so much, so that it jumps there and back; False without a clock."""
-        log = self.enter(robot, "timeout", "5", "rostopic", "echo", "-n1", "/clock/clock")
-        found = re.search(r"secs: (\d+)", log)
-        if found:
-            moved = max(0, int(found[1]) + round(seconds))
-            self.enter(robot, "timeout", "5", "rostopic", "pub", "-1", "/clock", "rosgraph_msgs/Clock",
-                       f"clock: {{secs: {moved}, nsecs: 0}}")  # fmt: skip
-        return found is not None
+    def set_clock(self, robot: str, offset: float) -> bool:
+        """Sets the clock of a simulated robot `offset` s ahead of that of the world; False if it does not go that much
+        otherwise than before."""
+        change = offset - self._offsets.get(robot, 0.0)
+        before, begin = self._clock_of(robot), time.monotonic()
+        words = ("timeout", "20", "rostopic", "pub", "-1", CLOCK_OFFSET, "std_msgs/Float64", f"data: {offset:g}")
+        self.enter(robot, *words)
+        self._offsets[robot] = offset
+        after, passed = self._clock_of(robot), time.monotonic() - begin
+        return None not in (before, after) and has_jumped(after - before, passed, change)  # type: ignore[operator]
+
+    def _clock_of(self, robot: str) -> float | None:
+        text = self.enter(robot, "timeout", "20", "rostopic", "echo", "-n1", "/clock/clock")
+        found = re.search(r"secs: (\d+)\s+nsecs:\s+(\d+)", text)
+        return int(found[1]) + int(found[2]) / 1e9 if found else None
+
+
+def has_jumped(moved: float, passed: float, change: float) -> bool:
+    """Whether a clock that went on by `moved` s while `passed` s went by was set by `change` s; half of it is allowed
+    for what a busy computer takes to look."""
+    return abs(moved - passed - change) < 0.5 * abs(change)
+
+
+def carried_out(control: socket.socket, command: str, robot: str) -> bool:
+    """Tells the radio daemon on the other end `command robot`. It answers a line only if it refuses it, and takes up
+    whom it does not know: so it is asked for its statistics, which name the robots, before and after."""
+    control.send(b"statistics\n")
+    if robot not in json.loads(control.recv(ANSWER_OCTETS))["robots"]:
+        return False
+    control.send(f"{command} {robot}\nstatistics\n".encode())
+    return control.recv(ANSWER_OCTETS).startswith(b"{")
