@@ -28,7 +28,7 @@ TABLES = ("single tables and budgets", "Adversary.*:LivingRuns.*:Reassembly.*:Bo
 
 
 def play(chosen, seed, packet=PACKET, process=0, processes=1):
-    """What gtest reports of one of so many processes that play these adversaries; `packet`: octets of the largest one."""
+    """What gtest reports of one of the processes that share these adversaries; `packet`: octets of the largest one."""
     with tempfile.NamedTemporaryFile(suffix=".json") as report:
         options = [f"--gtest_filter={chosen}", f"--gtest_output=json:{report.name}"]
         command = [program("adhoc_communication_engine_test"), *options]
@@ -56,11 +56,13 @@ def memory_row(name, reports, packet=PACKET):
     """The worst of the seeds; `packet`: octets of the largest one taken."""
     peaks = [int(suite["peak_kilobytes"]) / 1000 for found in reports for suite in found.get("testsuites", [])]
     worst = max(peaks, default=0)
-    default = " in turn, max_packet_size as by default" if packet == DEFAULT_PACKET else ""
+    each = packet == DEFAULT_PACKET
+    adversaries = "each adversary, max_packet_size as by default" if each else "all adversaries"
+    counted = f"{len(peaks)} {'processes' if each else 'seeds'}"
     return {
-        "what": f"memory of three robots under attack by all adversaries{default}, {name}: peak of the process",
+        "what": f"memory of three robots under attack by {adversaries}, {name}: peak of the process",
         "bar": f"<= {MOST_MEMORY}", "value": worst, "unit": "MB", "holds": 0 < worst <= MOST_MEMORY,
-        "detail": f"worst of {len(peaks)} {'processes' if packet == DEFAULT_PACKET else 'seeds'}; packets of at most {packet / 1e6:.0f} MB",
+        "detail": f"worst of {counted}; packets of at most {packet / 1e6:.0f} MB",
     }  # fmt: skip
 
 
