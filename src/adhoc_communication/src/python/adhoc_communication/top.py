@@ -173,7 +173,7 @@ def plain(sections: Iterable[Section]) -> str:
 def rich_table(title: str, columns: Cells, rows: Sequence[Cells]) -> "Table":
     table = Table(title=title, title_justify="left", title_style="bold", expand=False)
     for column in columns:
-        table.add_column(column)
+        table.add_column(str(column))
     for row in rows:
         table.add_row(*(escape(printable(cell)) for cell in row))
     return table

@@ -197,10 +197,11 @@ PYBIND11_MODULE(_navigation, module) {
              "slowness and cost of an earlier march from the same seeds.");
   py::class_<Inflation>(module, "Inflation")
       .def(py::init<float, float, float>(), py::arg("least"), py::arg("most"), py::arg("wall_cost"));
-  module.def("inflate", &inflate_walls, py::arg("cells"), py::arg("resolution"), py::arg("inflation"),
-             py::arg("unknown_blocks"),
-             "Metres to the nearest wall, infinity where it makes no difference, and slowness, infinity = blocked; both "
-             "float32 (rows, columns).");
+  module.def(
+      "inflate", &inflate_walls, py::arg("cells"), py::arg("resolution"), py::arg("inflation"),
+      py::arg("unknown_blocks"),
+      "Metres to the nearest wall, infinity where it makes no difference, and slowness, infinity = blocked; both "
+      "float32 (rows, columns).");
   module.def("slower_around", &slower_around, py::arg("slowness"), py::arg("obstacles"), py::arg("resolution"),
              py::arg("inflation"), "A copy, slower around obstacles at cells (row, column).");
   module.def("descend", &descend_grid, py::arg("cost"), py::arg("cell"), py::arg("most"),
