@@ -72,3 +72,24 @@ def test_a_missing_file_is_named(tmp_path):
     result = run("show", tmp_path / "none.key")
     assert result.returncode == 1
     assert "none.key" in result.stderr and "Traceback" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["show", "{folder}/none"], "{folder}/none is not there; 'team_key create {folder}/none' makes a new one"),
+        (["add", "{key}", "{folder}/none"], "{folder}/none is not there"),
+        (["show", "{folder}"], "{folder} cannot be read: Is a directory; give a file of team_key"),
+        (["show", "{folder}/binary"], "{folder}/binary is no text; give a file of team_key"),
+        (
+            ["create", "{folder}/none/key"],
+            "{folder}/none/key cannot be written: No such file or directory; give a file",
+        ),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_named_with_the_remedy(words, said, key_file, tmp_path):
+    (tmp_path / "binary").write_bytes(b"\xff\xfe")
+    names = {"folder": tmp_path, "key": key_file}
+    result = run(*(word.format(**names) for word in words))
+    assert result.returncode == 1 and result.stderr.startswith(f"team_key: {said.format(**names)}")
+    assert result.stderr.count("\n") == 1

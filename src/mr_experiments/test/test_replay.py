@@ -550,7 +550,7 @@ def test_record_is_read_as_written(written, record):
     ("arguments", "culprit"),
     [
         ([], "RECORD"),
-        (["missing.json"], "missing.json cannot be read"),
+        (["missing.json"], "missing.json is not there; give a record that"),
         (["."], "is a folder: give one of the records"),
         (["{record}", "--out", "{record}"], "is the record itself"),
         (["{record}", "--out", "{folder}"], "is a folder"),

@@ -138,3 +138,10 @@ def test_what_is_no_json_is_refused_by_name(tmp_path, text):
     (tmp_path / "other.json").write_text(text, encoding="latin-1")
     with pytest.raises(RecordError, match=r"other\.json cannot be read as JSON"):
         read_record(tmp_path / "other.json")
+
+
+def test_a_record_that_is_not_there_is_no_fault_of_json(tmp_path):
+    with pytest.raises(RecordError, match=r"none\.json is not there$"):
+        read_record(tmp_path / "none.json")
+    with pytest.raises(RecordError, match=r"cannot be read: Is a directory$"):
+        read_record(tmp_path)

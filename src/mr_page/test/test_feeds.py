@@ -165,3 +165,14 @@ def test_a_file_in_place_of_the_socket_of_feeds_is_one_sentence(tmp_path, monkey
     assert team_page.main() == 1
     assert capsys.readouterr().err == f"team_page: --feeds {path} is there already, and no socket; give another path\n"
     assert path.read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("name", "why"), [("none/feeds", "No such file or directory"), ("x" * 120, "AF_UNIX path too long")]
+)
+def test_feeds_that_cannot_be_are_told_with_the_remedy(name, why, tmp_path, capsys, monkeypatch):
+    path = tmp_path / name
+    monkeypatch.setattr(sys, "argv", ["team_page", "--feeds", str(path)])
+    assert team_page.main() == 1
+    said = capsys.readouterr().err
+    assert said == f"team_page: --feeds {path} cannot be made: {why}; give a path in a folder of yours\n"

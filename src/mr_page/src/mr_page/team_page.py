@@ -37,6 +37,9 @@ async def serve(options: argparse.Namespace) -> None:
         feeds = FeedServer(state, options.feeds, radio)
     except ValueError:
         raise OSError(f"--feeds {options.feeds} is there already, and no socket; give another path") from None
+    except OSError as error:
+        why = error.strerror or error
+        raise OSError(f"--feeds {options.feeds} cannot be made: {why}; give a path in a folder of yours") from None
     server = PageServer(state, options.title, feeds.command)
     if options.descriptor is not None:
         given = socket.socket(fileno=options.descriptor)

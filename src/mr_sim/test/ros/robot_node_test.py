@@ -15,6 +15,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float64
 
 PATIENCE = 30.0  # wall seconds
 
@@ -90,6 +91,16 @@ class RobotNodeTest(unittest.TestCase):
         message = odometry.next()
         self.assertEqual((message.header.frame_id, message.child_frame_id), ("odom", "base_footprint"))
         self.assertGreater(truth.next().pose.pose.position.x, 0.5)
+
+    def test_its_clock_can_be_set_wrong(self):
+        offsets = rospy.Publisher("robot/clock_offset", Float64, queue_size=1, latch=True)
+        self.addCleanup(offsets.unregister)
+        clock = self.listen("/clock", Clock)
+        now = clock.next().clock
+        offsets.publish(1000.0)
+        clock.until(lambda message: message.clock > now + rospy.Duration(1000.0))
+        offsets.publish(0.0)
+        clock.until(lambda message: message.clock < now + rospy.Duration(500.0))
 
     def test_transforms_reach_the_laser(self):
         buffer = tf2_ros.Buffer()

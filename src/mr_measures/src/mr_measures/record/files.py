@@ -53,7 +53,11 @@ def read_record(path: Path) -> MissionRecord:
     """Raises RecordError."""
     try:
         return record_of_document(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+    except FileNotFoundError:
+        raise RecordError(f"{path} is not there") from None
+    except OSError as error:
+        raise RecordError(f"{path} cannot be read: {error.strerror}") from None
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
         raise RecordError(f"{path} cannot be read as JSON: {error}") from None
     except RecordError as error:
         raise RecordError(f"{path}: {error}") from None
