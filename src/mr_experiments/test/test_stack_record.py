@@ -39,7 +39,7 @@ FIGURES = MapFigures(free_cells=8, error=0.1, coverage=0.99, wrong_walls=0.0)
 OPTIONS = SimpleNamespace(
     world="small8x8", seed=1, strategy=7, duration=900.0, range=10.0, loss=0.05, wall_attenuation=0.0, open=False,
     initial_poses=False, starts=[], odometry="bias", topology="distributed", slam="ours", navigation="ours", rtf=1.0,
-    respawn=False, bag=True,
+    respawn=False, bag=True, time_limit=0.0, distance_limit=0.0,
 )  # fmt: skip
 PLACED = {"kind": "merge", "at": START + 4.0, "partner": "robot_1", "transform": [1.08, 0.5, 0.0]}
 REFERENCE = np.array([[1.0, 2.0], [4.0, 2.0], [4.0, 5.0]])  # m, world frame
