@@ -79,7 +79,9 @@ def test_starts_that_do_not_fit_are_told(map_file, world, starts, told):
 def test_a_world_has_one_path_and_one_name_in_records(tmp_path, monkeypatch, given):
     monkeypatch.chdir(tmp_path)
     whole = tmp_path.resolve() / "flat.world"
-    whole.write_text('model ( size [ 0.1 8 1 ] pose [ 4 0 0 0 ] ) position ( name "a" ranger ( ) )')
+    whole.write_text(
+        'model ( size [ 0.1 8 1 ] pose [ 4 0 0 0 ] ) position ( name "a" ranger ( sensor ( samples 9 ) ) )'
+    )
     Path("link.world").symlink_to(whole)
     plan = make_plan(parse_arguments(["--world", given.format(whole=whole), "--out", "o"]))
     assert plan.world == asked_settings(plan)["world"] == str(whole)

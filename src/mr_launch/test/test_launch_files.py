@@ -229,12 +229,17 @@ def test_robots_under_one_master_have_their_own_names_and_frames(count):
             assert {key: parameters[f"/{robot}/{node}/{key}"] for key in values} == values
 
 
-def test_robots_under_one_master_are_called_by_their_number_whatever_the_world_calls_them():
+def test_robots_under_one_master_are_called_by_their_number_whatever_the_world_calls_them(tmp_path):
     """In a world with anna and bob two robots waited for ever; a folder with a blank was two arguments."""
-    given = ("world:=/my worlds/w.world", "robot:=turtlebot")
+    world = tmp_path / "my worlds" / "w.world"
+    world.parent.mkdir()
+    world.write_text(
+        "".join(f'position ( name "{name}" ranger ( sensor ( samples 9 ) ) )\n' for name in ("anna", "bob"))
+    )
+    given = (f"world:={world}", "robot:=turtlebot")
     config = loaded("simulation_2.launch", *given)
     (stage,) = (node for node in config.nodes if node.name == "stageros")
-    assert shlex.split(stage.args) == ["-g", "/my worlds/w.world"]
+    assert shlex.split(stage.args) == ["-g", str(world)]
     parameters = {key: parameter.value for key, parameter in config.params.items()}
     assert {parameters[f"/robot_{number}/explorer/field_of_view"] for number in range(2)} == {0.99}
 
