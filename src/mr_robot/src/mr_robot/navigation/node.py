@@ -32,6 +32,7 @@ from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, top
 TOPICS = {"others": "all_positions", "plan": "~plan"}
 MAP_TOPIC = "map_merger/global_map"
 OWN_MAP_TOPIC = "map"  # of this robot's SLAM
+FEEDBACK_PERIOD = 0.5  # s
 
 
 def options() -> NavigationOptions:
@@ -212,7 +213,7 @@ class MoveBaseNode:
     def _report(self, now: float, pose: Pose, stamp: rospy.Time) -> None:
         """`stamp`: of the pose, which is older than `now`: a robot that turns is elsewhere by then."""
         frame = self._frames["map_frame"]
-        if not 0.0 <= now - self._fed_back_at < self._navigator.options.plan_period:
+        if not 0.0 <= now - self._fed_back_at < FEEDBACK_PERIOD:
             self._fed_back_at = now
             self._server.publish_feedback(ros_io.feedback_message(pose, frame, stamp))
         if self._plan.get_num_connections() and not 0.0 <= now - self._planned_at < self._navigator.options.plan_period:
