@@ -6,24 +6,20 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any, NoReturn, Sequence
+from typing import Any, Sequence
 
 import yaml  # type: ignore[import-untyped]
 
 from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, OK
 from mr_launch.node_options import FAULTS, KINDS
+from mr_launch.option_parser import OptionParser
 from mr_robot.platforms.alternatives import OURS, check_simulator, find_package
 from mr_robot.platforms.platform import PlatformError
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise UserError(f"{message} (--help lists the options)")
-
-
 def make_parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="check_arguments", description=__doc__)
+    parser = OptionParser(prog="check_arguments", description=__doc__)
     add = parser.add_argument
     add("parameters", nargs="*", metavar="NODE/PARAMETER=VALUE", help="as the launch file gives them to the nodes")
     add("--folders", nargs="+", default=[], metavar="FOLDER", help="with NODE.yaml, read before: later ones count")

@@ -8,9 +8,10 @@ import os
 import re
 import time
 from dataclasses import asdict, dataclass
-from typing import Any, Callable, Collection, Mapping, NoReturn, Sequence
+from typing import Any, Callable, Collection, Mapping, Sequence
 
 from mr_launch.errors import UserError
+from mr_launch.option_parser import OptionParser
 from mr_launch.programs import NAVIGATION, SLAM
 from mr_page.address import PORT
 from mr_robot.platforms.alternatives import OWN
@@ -63,11 +64,6 @@ class Options:
         return asdict(self)
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise UserError(f"{message} (--help lists the options)")
-
-
 def _alternative_of(known: Collection[str]) -> Callable[[str], str]:
     def alternative(text: str) -> str:
         """A known name, or the whole path of a launch file that is there."""
@@ -110,7 +106,7 @@ def _check_limits(values: Mapping[str, Any]) -> None:
 
 
 def make_parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = OptionParser(
         prog="team",
         description="A team of robots, each with its own ROS master and its own radio, explores a Stage world.",
         epilog="Exit code: 0 every robot finished, 1 not all finished or a failure, 2 bad options, 130 interrupted.",

@@ -12,11 +12,12 @@ import socket
 import stat
 import sys
 from pathlib import Path
-from typing import Callable, NoReturn, Protocol, Sequence
+from typing import Callable, Protocol, Sequence
 
 from mr_grid.by_place import PlaceError, object_at
 from mr_launch.errors import UserError
 from mr_launch.exit_codes import BAD_CALL, FAILED, OK
+from mr_launch.option_parser import OptionParser
 
 LARGEST_FRAME = 4096  # octets with the Ethernet header
 MOST_CLIENTS = 8  # the node, and others that look whether somebody answers
@@ -138,13 +139,8 @@ def _remove_socket(path: Path) -> None:
     path.unlink(missing_ok=True)
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise UserError(f"{message} (--help lists the options)")
-
-
 def make_parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="link", description=__doc__.replace("``", ""))
+    parser = OptionParser(prog="link", description=__doc__.replace("``", ""))
     add = parser.add_argument
     add("--link", required=True, metavar="PLACE", help="class of the link: module:Class or FILE.py:Class")
     add("--hub", required=True, metavar="PATH", help="socket to make; adhoc_communication has interface:=hub:PATH")
