@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <utility>
+#include <vector>
 
 #include "link/steady_now.hpp"
 #include "node/end_node.hpp"
@@ -33,18 +34,25 @@ Injector::~Injector() {
 }
 
 void Injector::inject(PacketReceived packet) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  for (const PacketReceived& dropped : queue_.add(std::move(packet))) count_dropped(dropped);
+  std::vector<PacketReceived> told;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (PacketReceived& dropped : queue_.add(std::move(packet))) {
+      ++dropped_;
+      if (is_to_be_told(dropped.source)) told.push_back(std::move(dropped));
+    }
+  }
   arrived_.notify_one();
+  for (const PacketReceived& dropped : told) {
+    ROS_ERROR(
+        "Packets of %s arrive faster than they can be published; one for topic '%s' was dropped (reported once per "
+        "robot)",
+        dropped.source.c_str(), escaped(dropped.topic).c_str());
+  }
 }
 
-void Injector::count_dropped(const PacketReceived& packet) {
-  ++dropped_;
-  if (robots_told_.size() >= kMostTold || !robots_told_.insert(packet.source).second) return;
-  ROS_ERROR(
-      "Packets of %s arrive faster than they can be published; one for topic '%s' was dropped (reported once per "
-      "robot)",
-      packet.source.c_str(), escaped(packet.topic).c_str());
+bool Injector::is_to_be_told(const std::string& robot) {
+  return robots_told_.size() < kMostTold && robots_told_.insert(robot).second;
 }
 
 Injector::Report Injector::report() const {

@@ -35,7 +35,7 @@ class Injector {
  private:
   void run();
   void work();
-  void count_dropped(const PacketReceived& packet);
+  bool is_to_be_told(const std::string& robot);
   bool wait_for_packet(std::unique_lock<std::mutex>& lock);
 
   const std::unique_ptr<LocalTopics> topics_;
