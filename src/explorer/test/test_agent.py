@@ -980,6 +980,20 @@ def test_what_another_robot_explored_is_no_goal_until_the_map_shows_it() -> None
     assert bench.goals(), "the map still shows it: it is a frontier"
 
 
+def test_what_was_explored_far_from_all_goals_is_no_reason_to_look_anew() -> None:
+    """Sixteen robots looked at all their frontiers again six times a second."""
+    bench = Bench(3).map(corridor(left=False)).join("robot_1", position=(-3.0, 0.0))
+    bench.run(1.0)
+    perception = bench.agent.perception
+    perceived = perception.revision
+    bench.agent.on_visited_frontiers([Element("robot_1", 1, -3.0, 0.0)], bench.now)
+    bench.run(0.2)
+    assert perception.revision == perceived
+    bench.agent.on_visited_frontiers([Element("robot_1", 2, 3.9, 0.0)], bench.now)
+    bench.run(0.2)
+    assert perception.revision == perceived + 1
+
+
 def test_negotiated_clusters_are_left_to_the_other() -> None:
     bench = Bench(5).map(corridor()).join("robot_1", position=(3.0, 0.0))
     bench.agent.on_negotiation_list([Element("robot_1", 10000 + i, 3.9, -1.2 + 0.2 * i) for i in range(13)], bench.now)

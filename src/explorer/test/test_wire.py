@@ -19,12 +19,7 @@ from explorer.clusters import Cluster  # noqa: E402
 from explorer.foreign import Element  # noqa: E402
 from explorer.frontiers import Frontier  # noqa: E402
 from explorer.messages import Auction, Bid, SendStatement  # noqa: E402
-from explorer.options import Options  # noqa: E402
 from explorer.statement import MOST_LEFT, MOST_VERDICTS, Decided, Kind, LeftPlace, Stage, Statement  # noqa: E402
-
-
-def wire(name: str, simulation: bool) -> ros_io.Wire:
-    return ros_io.Wire(Options(robot_name=name, robot_prefix=f"/{name}" if simulation else ""))
 
 
 SENDERS = [("robot_0", "robot_1", True), ("joy", "bob", False), ("7", "8", False), ("robot_3", "robot_4", False)]
@@ -34,11 +29,11 @@ SENDERS = [("robot_0", "robot_1", True), ("joy", "bob", False), ("7", "8", False
 def test_points_keep_their_robot_however_many_there_are(sender: str, receiver: str, simulation: bool) -> None:
     """In simulation the 10000th point of robot_0 was taken for one of robot_1."""
     elements = [Element(sender, number, 1.0, 2.0) for number in (0, 9999, 10000, 123456)]
-    message = wire(sender, simulation).frontier_to(elements)
-    assert wire(receiver, simulation).elements_from(message) == elements
+    message = ros_io.Wire(simulation).frontier_to(elements)
+    assert ros_io.Wire(simulation).elements_from(message) == tuple(elements)
     keys = tuple(element.key for element in elements)
     auction = Auction(sender, 5, True, occupied=keys, requested=(Bid(keys, 2.5),), available=(Bid(keys, -1.0),))
-    assert wire(receiver, simulation).auction_from(wire(sender, simulation).auction_to(auction)) == auction
+    assert ros_io.Wire(simulation).auction_from(ros_io.Wire(simulation).auction_to(auction)) == auction
 
 
 @pytest.mark.parametrize("sender, receiver, simulation", SENDERS)
@@ -46,7 +41,7 @@ def test_bids_find_their_cluster_however_high_its_numbers_are(sender: str, recei
     """Bids for such points were dropped, and the bidder was taken for one that has finished."""
     cluster = Cluster(3, tuple(Frontier(number, 0.1 * number, 0.0) for number in (9999, 10000, 20001)))
     auction = OpenAuction(7, [cluster], sender, {receiver}, 1.0)
-    here, there = wire(sender, simulation), wire(receiver, simulation)
+    here, there = ros_io.Wire(simulation), ros_io.Wire(simulation)
     start = there.auction_from(here.auction_to(auction.start_message({3: 4.0})))
     reply = reply_message(receiver, start.auction_id, [Bid(bid.elements, 6.5) for bid in start.requested])
     assert auction.add(here.auction_from(there.auction_to(reply)))
@@ -54,20 +49,20 @@ def test_bids_find_their_cluster_however_high_its_numbers_are(sender: str, recei
 
 
 def test_numbers_count_only_in_simulation_where_the_name_is_missing() -> None:
-    message = wire("robot_2", True).frontier_to([Element("robot_2", 20001, 0.0, 0.0)])
+    message = ros_io.Wire(True).frontier_to([Element("robot_2", 20001, 0.0, 0.0)])
     assert message.frontier_element[0].detected_by_robot == 2
     message.frontier_element[0].detected_by_robot_str = ""
-    assert wire("robot_0", True).elements_from(message)[0].key == ("robot_2", 20001)
-    auction = wire("robot_2", True).auction_to(Auction("robot_2", 5, True, occupied=(("robot_2", 20001),)))
+    assert ros_io.Wire(True).elements_from(message)[0].key == ("robot_2", 20001)
+    auction = ros_io.Wire(True).auction_to(Auction("robot_2", 5, True, occupied=(("robot_2", 20001),)))
     auction.occupied_ids[0].detected_by_robot_str = ""
     assert auction.robot_name == "2"
-    decoded = wire("robot_0", True).auction_from(auction)
+    decoded = ros_io.Wire(True).auction_from(auction)
     assert (decoded.robot, decoded.occupied) == ("robot_2", (("robot_2", 20001),))
 
 
 def test_a_real_robot_may_have_a_number_for_a_name() -> None:
     """A robot named "7" became "robot_7", which nobody knew."""
-    assert wire("joy", False).auction_from(wire("7", False).auction_to(Auction("7", 1, True))).robot == "7"
+    assert ros_io.Wire(False).auction_from(ros_io.Wire(False).auction_to(Auction("7", 1, True))).robot == "7"
 
 
 @pytest.mark.parametrize("simulation", [True, False])
@@ -78,7 +73,7 @@ def test_the_unit_of_bids_travels_where_nobody_looks(simulation: bool, kind: str
     given = {"requested": bids} if kind == "start" else {"available": bids}
     paper = Auction("robot_1", 5, status=kind == "start", start=kind == "start", **given)
     metres = replace(paper, unit=7)
-    sender, receiver = wire("robot_1", simulation), wire("robot_2", simulation)
+    sender, receiver = ros_io.Wire(simulation), ros_io.Wire(simulation)
     plain, told = sender.auction_to(paper), sender.auction_to(metres)
     assert not (plain.available_clusters if kind == "start" else plain.requested_clusters)
     read, hidden = ("requested_clusters", "available_clusters")[:: 1 if kind == "start" else -1]
@@ -89,9 +84,9 @@ def test_the_unit_of_bids_travels_where_nobody_looks(simulation: bool, kind: str
 
 @pytest.mark.parametrize("bid", [float("nan"), float("inf"), 1e300])
 def test_a_unit_that_is_none_is_not_one(bid: float) -> None:
-    message = wire("robot_1", True).auction_to(Auction("robot_1", 5, status=True, start=True))
+    message = ros_io.Wire(True).auction_to(Auction("robot_1", 5, status=True, start=True))
     message.available_clusters = [ros_io.ExpCluster(bid=bid)]
-    assert wire("robot_2", True).auction_from(message).unit == 1
+    assert ros_io.Wire(True).auction_from(message).unit == 1
 
 
 def sent(statement: Statement) -> ros_verdicts.TeamVerdicts:

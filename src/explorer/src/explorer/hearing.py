@@ -45,11 +45,13 @@ class Hearing:
         Where that robot still has points nearby the frontier has moved a little, and nothing is explored."""
         for element in elements:
             self._foreign.remove(element.key)
+        places = []
         for element in elements:
             place = self._foreign.to_own_frame(element)
             if place is not None and not self._foreign.has_near(element, MOVED_DISTANCE):
                 self._verdicts.believe_explored(element.detected_by, *place, now)
-                self._perception.touch()
+                places.append(place)
+        self._perception.take_explored(places)
 
     def take_statement(self, statement: Statement, now: float) -> None:
         """What another robot has decided, and whether it has anything left."""

@@ -5,6 +5,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from explorer._kernels import near_any
 from explorer.clusters import Cluster, ClusterStore
 from explorer.frontier_map import FrontierMap
 from explorer.frontiers import Frontier, FrontierStore
@@ -19,8 +20,10 @@ from explorer.verdicts import Verdicts
 from explorer.views import Views, sees
 from explorer.ways import Ways, known_near
 from explorer.worth import (
+    TOLD_DISTANCE,
     Worth,
     is_opening,
+    points_of,
     too_much_to_leave,
     without_denied,
     without_detours,
@@ -53,6 +56,7 @@ class Perception:
         self.frontiers.clear()
         self.clusters = ()
         self.worth = Worth({}, {}, frozenset())
+        self._goal_points = points_of(())  # of all goals, before ways are looked at
         self._prospects: Dict[int, Prospect] = {}
         self._frontier_map: Optional[FrontierMap] = None
         self.field: Optional[CostField] = None
@@ -73,6 +77,11 @@ class Perception:
     def touch(self) -> None:
         """Verdicts or what is known of the other robots have changed."""
         self._stale = True
+
+    def take_explored(self, places: Sequence[Position]) -> None:
+        """Others have explored these places, in metres: the goals are others if one of them is beside a place."""
+        if places and near_any(np.array(places), self._goal_points, TOLD_DISTANCE).any():
+            self.touch()
 
     def update(self, verdicts: Verdicts, others: Sequence[Position], team: int, now: float) -> List[Frontier]:
         """Perceives if that is due; the frontiers that are gone. `others`: places of the other robots in metres;
@@ -180,6 +189,7 @@ class Perception:
     def _assess(self, verdicts: Verdicts, now: float) -> None:
         assert self._views is not None
         worth = worth_of(self._clusters.clusters, self._prospects, verdicts, self.known_area_near, now)
+        self._goal_points = points_of(worth.goals.values())
         clusters = self._views.assess(self._clusters.clusters, worth.goals)
         self.clusters, self.worth = without_detours(clusters, worth, self._prospects)
         self._deny(verdicts)

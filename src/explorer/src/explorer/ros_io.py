@@ -1,7 +1,7 @@
 """Conversions between ROS messages and the plain values of the agent. The only module here that knows ROS types."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -31,7 +31,7 @@ from explorer.msg import (
     ExplorationState,
     ExplorationStatus,
 )
-from explorer.options import Options, number_of
+from explorer.options import number_of
 from explorer.report import Report
 from explorer.statement import Stage
 from explorer.status import Picture, Status
@@ -74,6 +74,7 @@ def named_point(robot: str, point: Tuple[float, float]) -> MmPoint:
     return MmPoint(src_robot=robot, x=point[0], y=point[1])
 
 
+@dataclass(frozen=True)
 class Wire:
     """Frontiers and auctions to and from messages, by the identity rules of simulation and real robots.
 
@@ -81,9 +82,7 @@ class Wire:
     original, does the number count: it is ambiguous once a robot has used up its block of 10000.
     """
 
-    def __init__(self, options: Options) -> None:
-        self._simulation = options.simulation
-        self._name = options.robot_name
+    simulation: bool
 
     def radio_call(self, effect: Union[SendFrontiers, SendAuction]) -> Tuple[str, str, Any]:
         """Service of adhoc_communication, topic at the others, and message."""
@@ -91,21 +90,21 @@ class Wire:
             return "send_frontier", effect.topic, self.frontier_to(effect.elements)
         return "send_auction", "auction", self.auction_to(effect.auction)
 
-    def elements_from(self, message: ExpFrontier) -> List[Element]:
+    def elements_from(self, message: ExpFrontier) -> Tuple[Element, ...]:
         elements = []
         for element in message.frontier_element:
             robot = element.detected_by_robot_str.strip("/")
-            if not robot and self._simulation:
+            if not robot and self.simulation:
                 robot = f"robot_{element.detected_by_robot}"
             elements.append(Element(robot, int(element.id), element.x_coordinate, element.y_coordinate))
-        return elements
+        return tuple(elements)
 
     def frontier_to(self, elements: Iterable[Element]) -> ExpFrontier:
         message = ExpFrontier()
         for element in elements:
             out = ExpFrontierElement(id=element.number, x_coordinate=element.x, y_coordinate=element.y)
             out.detected_by_robot_str = element.detected_by
-            if self._simulation:
+            if self.simulation:
                 out.detected_by_robot = number_of(element.detected_by)
             message.frontier_element.append(out)
         return message
@@ -114,7 +113,7 @@ class Wire:
         robot = message.robot_name.strip("/")
         unit = _unit_in(message)
         return Auction(
-            robot=f"robot_{robot}" if self._simulation and robot.isdigit() else robot,
+            robot=f"robot_{robot}" if self.simulation and robot.isdigit() else robot,
             auction_id=int(message.auction_id),
             status=bool(message.auction_status_message),
             start=bool(message.start_auction),
@@ -135,7 +134,7 @@ class Wire:
             ],
             requested_clusters=[self._bid_to(bid) for bid in auction.requested],
             auction_id=auction.auction_id,
-            robot_name=str(number_of(auction.robot)) if self._simulation else auction.robot,
+            robot_name=str(number_of(auction.robot)) if self.simulation else auction.robot,
             available_clusters=[self._bid_to(bid) for bid in auction.available],
         )
         if auction.unit != PAPER_UNIT:
@@ -144,7 +143,7 @@ class Wire:
 
     def _key_from(self, element: Any) -> Key:
         robot = element.detected_by_robot_str.strip("/")
-        if not robot and self._simulation:
+        if not robot and self.simulation:
             robot = f"robot_{element.id // 10000}"
         return (robot, int(element.id))
 

@@ -53,7 +53,7 @@ class ExplorerNode:
         self._runs = MapRuns()
         self._wake = threading.Event()
         self._rounds = Rounds()
-        self._wire = ros_io.Wire(given)
+        self._wire = ros_io.Wire(given.simulation)
         self._calls = Calls(self._names, given.group)
         self._display = Display(self._names, self._frame)
         self._goals = Goals(self._names.action, self._frame, self._on_goal_accepted, self._on_goal_ended)

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Dict, FrozenSet, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterable, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -55,12 +55,17 @@ def worth_of(
         reasons.update(_little_behind(cluster, prospects))
         reasons.update(_decided(cluster, verdicts))
     goals = [member for cluster in clusters for member in cluster.members if member.number not in reasons]
-    points = np.array([(f.x, f.y) for f in goals], dtype=float).reshape(-1, 2)
+    points = points_of(goals)
     decided = verdicts.heard.decided(points, known)
     explored = _explored(points, *verdicts.told_places(now))
     told = {goals[row].number: TOLD.format(robot) for row, robot in {**explored, **decided}.items()}
     by = frozenset(robot for row, robot in explored.items() if row not in decided)
     return Worth({f.number: f for f in goals if f.number not in told}, {**reasons, **told}, by)
+
+
+def points_of(frontiers: Iterable[Frontier]) -> np.ndarray:
+    """(n, 2) array in metres."""
+    return np.array([(f.x, f.y) for f in frontiers], dtype=float).reshape(-1, 2)
 
 
 def _explored(points: np.ndarray, places: np.ndarray, robots: Sequence[str]) -> Dict[int, str]:

@@ -13,6 +13,7 @@ from explorer.msg import TeamOrder, TeamVerdicts
 from explorer import messages, ros_io, ros_team, ros_verdicts
 from explorer.agent import ExplorerAgent
 from explorer.call_queue import CALLS, HANDOVER, CallQueue
+from explorer.foreign import Element
 from explorer.grid import OccupancyMap
 from explorer.options import Options
 from explorer.scene_folder import recorder
@@ -25,10 +26,20 @@ TICK = 0.1  # s
 SERVICE_TIME = 0.01  # s that a call between two nodes of a robot takes
 
 
+# What one robot sends reaches all others, and nobody changes it: it is read once.
 @functools.lru_cache(maxsize=64)
 def _parsed(kind: type, octets: bytes) -> Any:
-    """The message, which nobody changes: what one robot sends reaches all others."""
     return kind().deserialize(octets)
+
+
+@functools.lru_cache(maxsize=64)
+def _elements(wire: ros_io.Wire, octets: bytes) -> tuple[Element, ...]:
+    return wire.elements_from(ExpFrontier().deserialize(octets))
+
+
+@functools.lru_cache(maxsize=64)
+def _auction(wire: ros_io.Wire, octets: bytes) -> messages.Auction:
+    return wire.auction_from(ExpAuction().deserialize(octets))
 
 
 class ExplorerListener(Protocol):
@@ -96,7 +107,7 @@ class Explorer:
         self._options = options
         self._agenda, self._radio, self._stopwatch = agenda, radio, stopwatch
         self._listener, self._clock = listener, clock
-        self._wire = ros_io.Wire(options)
+        self._wire = ros_io.Wire(options.simulation)
         self._calls, self._bid_calls = _Calls(3, agenda, clock), _Calls(2, agenda, clock)
         self._running = True
 
@@ -162,11 +173,11 @@ class Explorer:
             return True
         if take is not None:
             with self._stopwatch.span("messages"):
-                elements = self._wire.elements_from(_parsed(ExpFrontier, octets))
+                elements = _elements(self._wire, octets)
             take(elements, now)
             return True
         with self._stopwatch.span("messages"):
-            auction = self._wire.auction_from(_parsed(ExpAuction, octets))
+            auction = _auction(self._wire, octets)
         with self._stopwatch.span("exploration"):
             hurried = self.agent.on_auction(auction, now)
         if hurried:
