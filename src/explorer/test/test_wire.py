@@ -21,7 +21,6 @@ from explorer.frontiers import Frontier  # noqa: E402
 from explorer.messages import Auction, Bid, SendStatement  # noqa: E402
 from explorer.statement import MOST_LEFT, MOST_VERDICTS, Decided, Kind, LeftPlace, Stage, Statement  # noqa: E402
 
-
 SENDERS = [("robot_0", "robot_1", True), ("joy", "bob", False), ("7", "8", False), ("robot_3", "robot_4", False)]
 
 
