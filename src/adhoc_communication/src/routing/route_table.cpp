@@ -9,6 +9,27 @@ namespace adhoc_communication::routing {
 namespace {
 
 constexpr Cost kHealthy = 3 * kPerfectHop / 2;  ///< of a link: it has recovered
+constexpr int kToldHop = 5 * kPerfectHop / 4;   ///< what a hop of a way that is told of costs, for all that is known
+constexpr Time kToldAgain = std::chrono::seconds(30);  ///< after which a way that was not found is looked for again
+
+/// What a frame would save on a shorter way that is told of.
+std::uint32_t saved_on(const ToldWay& told, const Route& route, Cost link) {
+  const ToldWay& before = route.asked_for;
+  const bool in_vain = before.hops != 0 && told.hops >= before.hops && told.at < before.at + kToldAgain;
+  if (told.hops == 0 || told.hops >= route.hops || in_vain) return 0;
+  return static_cast<std::uint32_t>(std::max(0, cost_over(route, link) - kToldHop * told.hops));
+}
+
+/// What it might save on a way round the link.
+std::uint32_t saved_round(Cost link, const Route& route) {
+  const bool grown = 2 * link >= 3 * std::max(route.link, route.asked);
+  return grown && !is_unbeatable(link) ? std::uint32_t{link} - kCheapestDetour : 0;
+}
+
+void begin_anew(Route& route) {
+  route.asked = 0;
+  route.asked_for = {};
+}
 
 }  // namespace
 
@@ -42,7 +63,7 @@ bool RouteTable::update(const RouteOffer& offer) {
   route.hops = offer.hops;
   route.cost = offer.cost;
   route.link = offer.link;
-  if (route.next_hop != offer.next_hop) route.asked = 0;
+  if (route.next_hop != offer.next_hop) begin_anew(route);
   route.wasted = 0;
   route.next_hop = offer.next_hop;
   route.expires = route.valid ? std::max(route.expires, offer.expires) : offer.expires;
@@ -67,7 +88,7 @@ void RouteTable::heard_directly(const MacAddress& neighbor, wire::BootTag boot, 
     route.sequence_valid = true;
   }
   if (!direct) {
-    route.asked = 0;
+    begin_anew(route);
     route.wasted = 0;
   }
   route.cost = direct && as_new ? std::min(route.cost, cost) : cost;
@@ -95,21 +116,22 @@ void RouteTable::add_precursor(const MacAddress& destination, const MacAddress& 
   found->second.precursors.insert(precursor);
 }
 
-std::uint32_t RouteTable::waste(const MacAddress& destination, Cost link) {
+std::uint32_t RouteTable::waste(const MacAddress& destination, Cost link, const ToldWay& told) {
   const auto found = routes_.find(destination);
   if (found == routes_.end()) return 0;
   Route& route = found->second;
   if (link <= kHealthy) route.asked = 0;
-  const bool grown = 2 * link >= 3 * std::max(route.link, route.asked);
-  if (!grown || is_unbeatable(link) || !route.sequence_valid) return 0;
-  route.wasted += link - kCheapestDetour;
+  const std::uint32_t wasted = std::max(saved_round(link, route), saved_on(told, route, link));
+  if (wasted == 0 || !route.sequence_valid) return 0;
+  route.wasted += wasted;
   return route.wasted;
 }
 
-void RouteTable::asked(const MacAddress& destination, Cost link) {
+void RouteTable::asked(const MacAddress& destination, Cost link, const ToldWay& told) {
   const auto found = routes_.find(destination);
   if (found == routes_.end()) return;
   found->second.asked = link;
+  found->second.asked_for = told;
   found->second.wasted = 0;
 }
 

@@ -14,6 +14,12 @@
 
 namespace adhoc_communication::routing {
 
+/// A way to a robot that life signs have come.
+struct ToldWay {
+  std::uint8_t hops = 0;  ///< 0: none is known
+  Time at{0};
+};
+
 struct Route {
   MacAddress destination{};
   wire::BootTag boot = 0;  ///< run of the destination that the number belongs to; 0 unknown
@@ -25,7 +31,8 @@ struct Route {
   Cost cost = 0;
   Cost link = 0;             ///< of these, what the first hop cost when the route was taken
   Cost asked = 0;            ///< what it cost when a better route was looked for; 0 if none was
-  std::uint32_t wasted = 0;  ///< sixteenths of transmissions that frames cost since, beyond a way round
+  std::uint32_t wasted = 0;  ///< sixteenths of transmissions that frames cost since, beyond another way
+  ToldWay asked_for{};       ///< the way that was told of when a better route was looked for
   MacAddress next_hop{};
   Time expires{0};  ///< valid: becomes invalid then; invalid: is deleted then
   std::set<MacAddress> precursors;
@@ -78,10 +85,11 @@ class RouteTable {
 
   /// A frame goes over the first hop of the route, which costs so much now. While that is clearly more than when the
   /// route was taken, or a better one was last looked for, what a way round might save is added up and returned, in
-  /// sixteenths of transmissions.
-  std::uint32_t waste(const MacAddress& destination, Cost link);
+  /// sixteenths of transmissions. So is what a shorter way that is told of might save, once in a while where it was
+  /// looked for before.
+  std::uint32_t waste(const MacAddress& destination, Cost link, const ToldWay& told);
   /// A better route is looked for.
-  void asked(const MacAddress& destination, Cost link);
+  void asked(const MacAddress& destination, Cost link, const ToldWay& told);
 
   /// Section 6.11 case 1: every route over the neighbour becomes invalid, its number grows by one.
   std::vector<Route> break_link(const MacAddress& next_hop, Time now);

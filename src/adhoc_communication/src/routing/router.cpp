@@ -74,20 +74,29 @@ void Router::used(const MacAddress& source, const MacAddress& destination, const
   routes_.extend(destination, until);
   if (const Route* route = routes_.find(destination)) {
     routes_.extend(route->next_hop, until);
-    if (route->valid) look_for_better(*route, now);
+    if (route->valid) look_for_better(*route, source == self_.address, now);
   }
   routes_.extend(previous_hop, until);
   routes_.add_precursor(destination, previous_hop);
 }
 
-/// A fading link is left before it breaks, once it has cost as much as it costs to ask: each robot passes the request
-/// on. The number that is asked for makes the answer news to all that rely on the route, which carries data meanwhile.
-void Router::look_for_better(const Route& route, Time now) {
+/// A fading link is left before it breaks, and by the source a way for a shorter one, once that has cost as much as it
+/// costs to ask: each robot passes the request on. The number that is asked for makes the answer news to all that rely
+/// on the route, which carries data meanwhile.
+void Router::look_for_better(const Route& route, bool is_source, Time now) {
   const Cost link = neighbors_.cost(route.next_hop);
-  const std::uint32_t wasted = routes_.waste(route.destination, link);
+  const ToldWay told = is_source ? told_way(route.destination, now) : ToldWay{};
+  const std::uint32_t wasted = routes_.waste(route.destination, link, told);
   if (wasted == 0 || wasted < kPerfectHop * directory_.size()) return;
   const int hop_limit = route.hops + timings_.local_add_ttl;
-  if (discovery_.exchange(route.destination, route.sequence, hop_limit, now)) routes_.asked(route.destination, link);
+  if (!discovery_.exchange(route.destination, route.sequence, hop_limit, now)) return;
+  routes_.asked(route.destination, link, told);
+}
+
+ToldWay Router::told_way(const MacAddress& destination, Time now) const {
+  const auto teller = directory_.teller_of(destination);
+  if (!teller || !neighbors_.two_way(*teller, now)) return {};
+  return {directory_.find(destination)->hops, now};
 }
 
 void Router::poll(Time now) {

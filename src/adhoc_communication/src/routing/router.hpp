@@ -84,7 +84,8 @@ class Router {
   std::uint8_t last_hops(const Target& target) const;
   std::uint8_t hops_told(const Target& target, Time now) const;
   std::optional<MacAddress> way_told(const MacAddress& destination, Time now) const;
-  void look_for_better(const Route& route, Time now);
+  void look_for_better(const Route& route, bool is_source, Time now);
+  ToldWay told_way(const MacAddress& destination, Time now) const;
   bool better_one_known(const wire::RouteReply& reply, Time now) const;
   bool worth_forwarding(const wire::RouteReply& reply, bool updated, const MacAddress& from, Time now);
   void forward_reply(wire::RouteReply reply, Time now);

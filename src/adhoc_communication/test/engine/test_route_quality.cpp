@@ -202,6 +202,59 @@ TEST(RouteExchange, WithoutAWayRoundItIsAskedAFewTimesAtMost) {
   EXPECT_EQ(team.received(1).size(), 220u);
 }
 
+/// 0 - 1 - 2 - 3 - 4, until 5 comes, which hears both ends.
+struct Shortcut {
+  explicit Shortcut(std::uint64_t seed = 1) : team(Team({}, seed)) {
+    team.add_line(5);
+    team.run_for(20s);
+    flow(team, 0, 4, 20);
+    team.on_transmission = [this](std::size_t robot, const Frame& frame) {
+      const auto request = message_of(frame, wire::FrameType::kRouteRequest, wire::read_route_request);
+      if (!request || request->destination != Team::address(4)) return;
+      if (request->originator == Team::address(robot)) requests.insert({robot, request->id});
+    };
+  }
+  void come(double loss) {
+    team.add();
+    for (const std::size_t other : {0, 1, 2, 3, 4}) {
+      team.medium().set_link_loss(other, 5, other % 4 == 0 ? loss : 1.0);
+    }
+  }
+  std::size_t requests_of(std::size_t robot) const {
+    return std::count_if(requests.begin(), requests.end(), [&](const auto& each) { return each.first == robot; });
+  }
+
+  Team team;
+  std::set<std::pair<std::size_t, std::uint32_t>> requests;
+};
+
+/// All links stayed good, so the longer way was kept for as long as data went along it.
+TEST(RouteExchange, AShorterWayThatComesUpIsTakenByTheSource) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Shortcut shortcut(seed);
+    Team& team = shortcut.team;
+    ASSERT_EQ(route(team, 0, 4)->hops, 4) << seed;
+    shortcut.come(0.0);
+    flow(team, 0, 4, 100);
+    EXPECT_EQ(route(team, 0, 4)->next_hop, Team::address(5)) << seed;
+    EXPECT_EQ(route(team, 0, 4)->hops, 2) << seed;
+    EXPECT_EQ(shortcut.requests_of(0), 1u) << seed;
+    EXPECT_EQ(shortcut.requests_of(1) + shortcut.requests_of(2) + shortcut.requests_of(3), 0u) << seed;
+    team.run_for(2s);
+    EXPECT_EQ(team.received(4).size(), 120u) << seed;
+  }
+}
+
+/// What is shorter only in hops is looked for now and then.
+TEST(RouteExchange, AWayThatIsShorterButNotBetterIsAskedForRarely) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Shortcut shortcut(seed);
+    shortcut.come(0.45);
+    flow(shortcut.team, 0, 4, 400);
+    EXPECT_LE(shortcut.requests_of(0), 3u) << seed;
+  }
+}
+
 /// There is a route: nobody waits for the exchange, nobody hears that it failed, and what needs a route goes before it.
 TEST(RouteExchange, EndsWithoutAWordAndGivesWayToASearchAndARepair) {
   const auto untold = [](const routing::Target&) { return std::uint8_t{0}; };
