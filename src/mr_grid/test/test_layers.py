@@ -26,6 +26,14 @@ def test_only_shells_import_them():
     assert [str(path) for path in users if not SHELLS.fullmatch(path.name)] == []
 
 
+def test_kernels_have_one_pose_and_one_point():
+    """SLAM, navigation and the simulator had one each, and wrote out the same algebra."""
+    kernels = [path for path in SOURCES.glob("*/src/cpp/**/*") if path.suffix in (".cpp", ".hpp")]
+    own = re.compile(r"\b(?:struct|class) (?:Pose|Point|Motion)\b|\bremainder\([^;]*2\.0 \* M_PI")
+    assert len(kernels) > 100
+    assert [str(path) for path in kernels if own.search(path.read_text(encoding="utf-8"))] == []
+
+
 def test_this_package_stands_below_all_others():
     names = {path.parent.name for path in SOURCES.glob("*/package.xml")} - {"mr_grid"}
     for path in (SOURCES / "mr_grid" / "src").rglob("*.py"):

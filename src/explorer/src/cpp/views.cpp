@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <mr_grid/pose.hpp>
 #include <vector>
 
 #include "lines.hpp"
@@ -10,9 +11,7 @@
 namespace explorer {
 namespace {
 
-struct Point {
-  double x, y;
-};
+using mr_grid::Point;
 
 std::int64_t row_of(const Geometry& grid, double y) {
   return static_cast<std::int64_t>(std::floor((y - grid.origin_y) / grid.resolution));

@@ -29,24 +29,24 @@ namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Flags = py::array_t<bool, py::array::c_style>;
-using Pose = std::tuple<double, double, double>;
+using PoseTuple = std::tuple<double, double, double>;
 
 void require(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-Motion to_motion(const Pose& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
+Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
 
-Pose to_pose(const Motion& motion) { return {motion.x, motion.y, motion.yaw}; }
+PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
 const std::uint8_t* bytes_of(const Flags& flags) { return reinterpret_cast<const std::uint8_t*>(flags.data()); }
 
-Raster to_raster(const Flags& cells, double resolution, const Pose& origin) {
+Raster to_raster(const Flags& cells, double resolution, const PoseTuple& origin) {
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
   require(std::isfinite(resolution) && resolution > 0.0, "a resolution is positive");
   require(std::isfinite(std::get<0>(origin) + std::get<1>(origin) + std::get<2>(origin)), "an origin is finite");
   return {bytes_of(cells), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)), resolution,
-          to_motion(origin)};
+          to_pose(origin)};
 }
 
 std::vector<OrientedPoint> to_points(const Doubles& places, const Doubles& normals) {
@@ -79,27 +79,27 @@ py::array_t<std::int64_t> nearest(const SurfaceIndex& index, const Doubles& poin
   return numbers;
 }
 
-Pose refine(const SurfaceIndex& index, const Doubles& points, const Doubles& normals, const Pose& start,
-            const std::vector<double>& reaches) {
+PoseTuple refine(const SurfaceIndex& index, const Doubles& points, const Doubles& normals, const PoseTuple& start,
+                 const std::vector<double>& reaches) {
   const std::vector<OrientedPoint> source = to_points(points, normals);
   py::gil_scoped_release release;
-  return to_pose(refined(index, source, to_motion(start), reaches));
+  return to_tuple(refined(index, source, to_pose(start), reaches));
 }
 
 Comparison compare_with(const SurfaceIndex& index, const Flags& known, const Flags& clear, double resolution,
-                        const Pose& origin, const Doubles& points, const Doubles& normals, const Flags& solid,
-                        const Pose& motion, double tolerance) {
+                        const PoseTuple& origin, const Doubles& points, const Doubles& normals, const Flags& solid,
+                        const PoseTuple& transform, double tolerance) {
   const Raster raster = to_raster(known, resolution, origin);
   require(clear.ndim() == 2 && clear.shape(0) == known.shape(0) && clear.shape(1) == known.shape(1),
           "known and clear need the same shape");
   const std::vector<OrientedPoint> source = to_points(points, normals);
   require(solid.ndim() == 1 && solid.size() == points.shape(0), "solid needs a value for each point");
   py::gil_scoped_release release;
-  return compare(index, raster, bytes_of(clear), source, bytes_of(solid), to_motion(motion), tolerance);
+  return compare(index, raster, bytes_of(clear), source, bytes_of(solid), to_pose(transform), tolerance);
 }
 
 py::tuple border(const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>& obstacles,
-                 const Flags& free, double resolution, const Pose& origin) {
+                 const Flags& free, double resolution, const PoseTuple& origin) {
   require(obstacles.ndim() == 2 && obstacles.shape(1) == 2, "obstacles need the shape (n, 2)");
   const Raster raster = to_raster(free, resolution, origin);
   std::vector<ObstacleCell> cells(static_cast<std::size_t>(obstacles.shape(0)));
@@ -165,16 +165,16 @@ Flags without_discs(const Flags& cells,
   return left;
 }
 
-py::array_t<float> raster(const Doubles& points, const Pose& transform, std::pair<double, double> corner, double cell,
-                          std::pair<py::ssize_t, py::ssize_t> shape, float weight) {
+py::array_t<float> raster(const Doubles& points, const PoseTuple& transform, std::pair<double, double> corner,
+                          double cell, std::pair<py::ssize_t, py::ssize_t> shape, float weight) {
   require(points.ndim() == 2 && points.shape(1) == 2, "points need the shape (n, 2)");
   const auto [rows, columns] = shape;
   py::array_t<float> result({rows, columns});
   float* cells = result.mutable_data();
   std::fill_n(cells, result.size(), 0.0F);
-  const Motion motion = to_motion(transform);
+  const Frame frame(to_pose(transform));
   for (py::ssize_t i = 0; i < points.shape(0); ++i) {
-    const OrientedPoint moved = motion * OrientedPoint{points.at(i, 0), points.at(i, 1), 0.0, 0.0};
+    const mr_grid::Point moved = frame * mr_grid::Point{points.at(i, 0), points.at(i, 1)};
     const double column = std::floor((moved.x - corner.first) / cell),
                  row = std::floor((moved.y - corner.second) / cell);
     require(row >= 0.0 && row < static_cast<double>(rows) && column >= 0.0 && column < static_cast<double>(columns),

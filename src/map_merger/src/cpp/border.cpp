@@ -85,6 +85,7 @@ std::vector<BorderPoint> border_of(const std::vector<ObstacleCell>& cells, const
   std::vector<Direction> directions;
   directions.reserve(cells.size());
   for (const ObstacleCell& cell : cells) directions.push_back(direction_at(mask, cell));
+  const Frame frame(free.origin);
   std::vector<BorderPoint> border;
   for (const double side : {1.0, -1.0}) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -93,7 +94,7 @@ std::vector<BorderPoint> border_of(const std::vector<ObstacleCell>& cells, const
       // The face lies half a cell beside the cell's centre.
       const double x = (cells[i].column + 0.5 * column + 0.5) * free.resolution;
       const double y = (cells[i].row + 0.5 * row + 0.5) * free.resolution;
-      border.push_back({free.origin * OrientedPoint{x, y, column, row}, i});
+      border.push_back({frame * OrientedPoint{x, y, column, row}, i});
     }
   }
   return border;

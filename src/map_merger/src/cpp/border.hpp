@@ -13,7 +13,7 @@ struct Raster {
   const std::uint8_t* cells;
   int rows, columns;
   double resolution;  // m per cell
-  Motion origin;
+  Pose origin;
 
   std::uint8_t at(int row, int column) const { return cells[static_cast<std::int64_t>(row) * columns + column]; }
 };

@@ -7,7 +7,7 @@
 namespace map_merger {
 namespace {
 
-// Of the distance from the partner's line, for a point (arm_x, arm_y) m away from where the motion puts the origin.
+// Of the distance from the partner's line, for a point (arm_x, arm_y) m away from where the transform puts the origin.
 void add_information(const OrientedPoint& partner, double arm_x, double arm_y, std::array<double, 6>& sum) {
   const double x = partner.normal_x, y = partner.normal_y, yaw = arm_x * y - arm_y * x;
   sum[0] += x * x, sum[1] += x * y, sum[2] += x * yaw;
@@ -18,13 +18,13 @@ void add_information(const OrientedPoint& partner, double arm_x, double arm_y, s
 }  // namespace
 
 Comparison compare(const SurfaceIndex& target, const Raster& known, const std::uint8_t* clear,
-                   const std::vector<OrientedPoint>& source, const std::uint8_t* solid, const Motion& motion,
+                   const std::vector<OrientedPoint>& source, const std::uint8_t* solid, const Pose& transform,
                    double tolerance) {
   Comparison result;
-  const Motion to_cells = known.origin.inverse();
+  const Frame to_target(transform), to_cells(inverse(known.origin));
   double xx = 0.0, xy = 0.0, yy = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < source.size(); ++i) {
-    const OrientedPoint moved = motion * source[i], cell = to_cells * moved;
+    const OrientedPoint moved = to_target * source[i], cell = to_cells * moved;
     const double row = std::floor(cell.y / known.resolution), column = std::floor(cell.x / known.resolution);
     if (!(row >= 0.0 && row < known.rows && column >= 0.0 && column < known.columns)) continue;
     const int r = static_cast<int>(row), c = static_cast<int>(column);
@@ -40,7 +40,7 @@ Comparison compare(const SurfaceIndex& target, const Raster& known, const std::u
     const OrientedPoint& found = target[partner];
     const double residual = (moved.x - found.x) * found.normal_x + (moved.y - found.y) * found.normal_y;
     squares += residual * residual;
-    add_information(found, moved.x - motion.x, moved.y - motion.y, result.information);
+    add_information(found, moved.x - transform.x, moved.y - transform.y, result.information);
     result.middle_x += moved.x, result.middle_y += moved.y;
   }
   result.minor = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);

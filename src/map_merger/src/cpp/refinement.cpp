@@ -14,12 +14,13 @@ struct Pair {
   OrientedPoint moved, partner;
 };
 
-std::vector<Pair> pairs_of(const SurfaceIndex& target, const std::vector<OrientedPoint>& source, const Motion& motion,
+std::vector<Pair> pairs_of(const SurfaceIndex& target, const std::vector<OrientedPoint>& source, const Pose& transform,
                            double reach) {
+  const Frame to_target(transform);
   std::vector<Pair> pairs;
   pairs.reserve(source.size());
   for (const OrientedPoint& point : source) {
-    const OrientedPoint moved = motion * point;
+    const OrientedPoint moved = to_target * point;
     const std::ptrdiff_t partner = partner_of(target, moved, reach);
     if (partner >= 0) pairs.push_back({moved, target[partner]});
   }
@@ -27,7 +28,7 @@ std::vector<Pair> pairs_of(const SurfaceIndex& target, const std::vector<Oriente
 }
 
 // One damped Gauss-Newton step with Cauchy weights, about the middle of the points.
-Motion step_of(const std::vector<Pair>& pairs, double reach) {
+Pose step_of(const std::vector<Pair>& pairs, double reach) {
   const double count = static_cast<double>(pairs.size());
   double centre_x = 0.0, centre_y = 0.0;
   for (const Pair& pair : pairs) centre_x += pair.moved.x / count, centre_y += pair.moved.y / count;
@@ -46,8 +47,8 @@ Motion step_of(const std::vector<Pair>& pairs, double reach) {
   }
   hessian.diagonal() += Eigen::Vector3d(0.01 * count, 0.01 * count, 0.002 * squared_arms);
   const Eigen::Vector3d step = hessian.ldlt().solve(-gradient);
-  const double yaw = std::remainder(step.z(), 2.0 * M_PI);
-  const OrientedPoint turned = Motion(0.0, 0.0, yaw) * OrientedPoint{centre_x, centre_y, 0.0, 0.0};
+  const double yaw = mr_grid::normalized(step.z());
+  const mr_grid::Point turned = Frame({0.0, 0.0, yaw}).turned({centre_x, centre_y});
   return {centre_x + step.x() - turned.x, centre_y + step.y() - turned.y, yaw};
 }
 
@@ -63,13 +64,13 @@ std::ptrdiff_t partner_of(const SurfaceIndex& target, const OrientedPoint& query
   return x * x + y * y <= reach * reach && facing >= kSameFacing ? number : -1;
 }
 
-Motion refined(const SurfaceIndex& target, const std::vector<OrientedPoint>& source, const Motion& start,
-               const std::vector<double>& reaches) {
-  Motion current = start;
+Pose refined(const SurfaceIndex& target, const std::vector<OrientedPoint>& source, const Pose& start,
+             const std::vector<double>& reaches) {
+  Pose current = start;
   for (const double reach : reaches) {
     const std::vector<Pair> pairs = pairs_of(target, source, current, reach);
     if (pairs.size() < kFewestPairs) return current;
-    const Motion step = step_of(pairs, reach);
+    const Pose step = step_of(pairs, reach);
     current = step * current;
     if (std::abs(step.x) + std::abs(step.y) < 5e-4 && std::abs(step.yaw) < 5e-5) break;
   }

@@ -290,7 +290,7 @@ PYBIND11_MODULE(_navigation, module) {
         const Field field = to_field(cost, resolution, origin, goal);
         const Pose at = to_pose(pose);
         const auto direction = downhill(field, at.x, at.y);
-        return direction ? std::remainder(*direction - at.yaw, 2.0 * M_PI) : 0.0;
+        return direction ? mr_grid::normalized(*direction - at.yaw) : 0.0;
       },
       py::arg("cost"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"),
       "rad from the heading to where the cost to go falls.");

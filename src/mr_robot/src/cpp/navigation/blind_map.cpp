@@ -43,9 +43,8 @@ BlindMap::BlindMap(const Walls& merged, const Map* own, const Pose& pose, double
 
 bool BlindMap::is_open(const Point& point) const {
   const bool known = (own_ != nullptr && is_known(*own_, point.x, point.y)) || is_known(merged_, point.x, point.y);
-  return known && std::none_of(walls_.begin(), walls_.end(), [&](const Wall& wall) {
-           return within(wall.place, {point.x, point.y, 0.0}, surface_);
-         });
+  return known && std::none_of(walls_.begin(), walls_.end(),
+                               [&](const Wall& wall) { return within(wall.place, point, surface_); });
 }
 
 }  // namespace mr_robot::navigation

@@ -5,6 +5,7 @@
 
 #include "map.hpp"
 #include "points.hpp"
+#include "rollout.hpp"
 
 namespace mr_robot::navigation {
 

@@ -20,12 +20,12 @@ Body::Body(const Pose& place, double reach, const std::vector<Obstacle>& obstacl
       cells_(static_cast<std::size_t>(side_) * side_) {}
 
 double Body::clearance(const Pose& pose) {
-  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const mr_grid::Frame body(pose);
   double least = kMost;
   for (const Obstacle& point : near(pose)) {
-    const double dx = point.x - pose.x, dy = point.y - pose.y;
-    const double ahead = std::abs(c * dx + s * dy) - footprint_.half_length;
-    const double beside = std::abs(-s * dx + c * dy) - footprint_.half_width;
+    const Point place = body.seen({point.x, point.y});
+    const double ahead = std::abs(place.x) - footprint_.half_length;
+    const double beside = std::abs(place.y) - footprint_.half_width;
     const double inside = std::max(ahead, beside) - point.margin;
     if (inside >= least) continue;
     least = std::min(least, ahead > 0.0 && beside > 0.0 ? std::hypot(ahead, beside) - point.margin : inside);

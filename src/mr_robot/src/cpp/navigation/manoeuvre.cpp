@@ -101,7 +101,7 @@ class Search {
     if (!ends || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
     double total = node.price + left(node.pose);
     if (const auto direction = downhill(field_, node.pose.x, node.pose.y)) {
-      const double error = std::abs(std::remainder(*direction - node.pose.yaw, 2.0 * M_PI));
+      const double error = std::abs(mr_grid::normalized(*direction - node.pose.yaw));
       total += (roomy ? 1.0 : kTightCost) * error / agility_.limits.angular;
     }
     if (total >= best_total_) return;
@@ -154,10 +154,10 @@ class Search {
 
   // Whether an end of the rear edge or its middle lies in what is unknown.
   bool backs_into_unknown(const Pose& pose) const {
-    const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+    const mr_grid::Frame body(pose);
     for (const double side : {-1.0, 0.0, 1.0}) {
-      const double x = -footprint_.half_length, y = side * footprint_.half_width;
-      if (!is_known(map_, pose.x + c * x - s * y, pose.y + s * x + c * y)) return true;
+      const Point place = body * Point{-footprint_.half_length, side * footprint_.half_width};
+      if (!is_known(map_, place.x, place.y)) return true;
     }
     return false;
   }

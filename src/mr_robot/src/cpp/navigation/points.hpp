@@ -1,37 +1,33 @@
-// Points and the frames that they are told in.
+// Points around the robot.
 #pragma once
 
-#include <cmath>
-
-#include "rollout.hpp"
+#include <mr_grid/pose.hpp>
 
 namespace mr_robot::navigation {
 
-struct Point {
-  double x, y;  // m
-};
+using mr_grid::Point;
+using mr_grid::Pose;
 
 // Places points of one frame in that which the frame is given in.
 class Placement {
  public:
-  explicit Placement(const Pose& frame) : frame_(frame), cosine_(std::cos(frame.yaw)), sine_(std::sin(frame.yaw)) {}
+  explicit Placement(const Pose& frame) : frame_(frame), shift_{frame.x, frame.y} {}
+  // Turned first and shifted then: it rounds otherwise than the frame itself.
   Point operator()(const Point& point) const {
-    return {point.x * cosine_ - point.y * sine_ + frame_.x, point.x * sine_ + point.y * cosine_ + frame_.y};
+    const Point turned = frame_.turned(point);
+    return {turned.x + shift_.x, turned.y + shift_.y};
   }
 
  private:
-  Pose frame_;
-  double cosine_, sine_;
+  mr_grid::Frame frame_;
+  Point shift_;
 };
 
-inline bool within(const Point& point, const Pose& pose, double reach) {
-  const double dx = point.x - pose.x, dy = point.y - pose.y;
-  return dx * dx + dy * dy < reach * reach;
-}
+inline double distance(const Point& a, const Point& b) { return mr_grid::length_of(a - b); }
 
-inline double distance(const Point& a, const Point& b) {
-  const double dx = a.x - b.x, dy = a.y - b.y;
-  return std::sqrt(dx * dx + dy * dy);  // std::hypot takes several times as long
+inline bool within(const Point& point, const Point& place, double reach) {
+  const Point apart = point - place;
+  return dot(apart, apart) < reach * reach;
 }
 
 }  // namespace mr_robot::navigation

@@ -102,7 +102,7 @@ double time_left(const Field& field, const End& end, const Limits& limits, const
 double time_to_turn(const Field& field, const End& end, const Limits& limits) {
   const auto direction = end.arrived >= 0.0 ? std::nullopt : downhill(field, end.pose.x, end.pose.y);
   if (!direction) return 0.0;
-  return kHeadingWeight * std::abs(std::remainder(*direction - end.pose.yaw, 2.0 * M_PI)) / limits.angular;
+  return kHeadingWeight * std::abs(mr_grid::normalized(*direction - end.pose.yaw)) / limits.angular;
 }
 
 // A motion that can be chosen. Until it is complete its time is the least that it can be.
@@ -168,16 +168,16 @@ std::optional<double> downhill(const Field& field, double x, double y) {
 
 Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>& obstacles,
                     const Footprint& footprint) {
-  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const mr_grid::Frame body(pose);
   Clearance least{kUnreached, kUnreached};
   for (const Obstacle& obstacle : obstacles) {
-    const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y;
-    const double ahead = std::abs(c * dx + s * dy) - footprint.half_length;
-    const double beside = std::abs(-s * dx + c * dy) - footprint.half_width;
+    const Point place = body.seen({obstacle.x, obstacle.y});
+    const double ahead = std::abs(place.x) - footprint.half_length;
+    const double beside = std::abs(place.y) - footprint.half_width;
     const double margin = obstacle.margin + obstacle.reaction_time * speed;
     const double inside = std::max(ahead, beside);
     if (inside - margin >= least.with_margins && inside >= least.bare) continue;
-    const double distance = ahead > 0.0 && beside > 0.0 ? std::sqrt(ahead * ahead + beside * beside) : inside;
+    const double distance = ahead > 0.0 && beside > 0.0 ? mr_grid::length_of(ahead, beside) : inside;
     least.bare = std::min(least.bare, distance);
     least.with_margins = std::min(least.with_margins, distance - margin);
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "march.hpp"
+#include "points.hpp"
 
 namespace mr_robot::navigation {
 
@@ -16,10 +17,6 @@ constexpr double kHorizon = 1.1;        // s that local control looks ahead
 constexpr double kHeadingWeight = 0.7;  // s of turning towards the way after that, counted as this share of driving
 constexpr double kSteadiness = 0.02;    // s that a rad/s of change counts
 constexpr double kRamp = 0.4;           // s of a motion that have to be clear when it begins
-
-struct Pose {
-  double x, y, yaw;  // m, rad
-};
 
 struct Velocity {
   double linear, angular;  // m/s, rad/s

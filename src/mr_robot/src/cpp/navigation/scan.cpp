@@ -19,7 +19,7 @@ std::vector<Point> hits(double* ranges, std::size_t count, const Point* directio
 }
 
 double reading_towards(const Point& point, const Point& eye, double heading, const ScanView& scan) {
-  const double bearing = std::remainder(std::atan2(point.y - eye.y, point.x - eye.x) - heading, 2.0 * M_PI);
+  const double bearing = mr_grid::normalized(std::atan2(point.y - eye.y, point.x - eye.x) - heading);
   const double steps = (bearing - scan.angle_min) / scan.angle_increment;
   const double turn = 2.0 * M_PI / std::abs(scan.angle_increment);
   const double beam = std::nearbyint(steps - turn * std::floor((steps + 0.5) / turn));

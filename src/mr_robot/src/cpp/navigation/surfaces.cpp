@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rollout.hpp"
+
 namespace mr_robot::navigation {
 namespace {
 
@@ -43,7 +45,7 @@ void continue_edge(const ScanView& scan, bool first, double surface, double leng
   const double end = first ? scan.angle_min : scan.angle_min + scan.angle_increment * (scan.range_count - 1.0);
   const double bearing = std::atan2(edge.y - scan.mount.y, edge.x - scan.mount.x) - scan.mount.yaw;
   const double at_edge = kPatchHits * std::abs(scan.angle_increment);
-  if (std::hypot(edge.x, edge.y) > reach || std::abs(std::remainder(bearing - end, 2.0 * M_PI)) > at_edge) return;
+  if (std::hypot(edge.x, edge.y) > reach || std::abs(mr_grid::normalized(bearing - end)) > at_edge) return;
   std::vector<Point> patch;
   for (std::size_t i = 0; i < scan.point_count && distance(edge_of(i), edge) < surface; ++i) {
     patch.push_back(edge_of(i));
@@ -68,7 +70,7 @@ std::vector<Point> smoothed(const ScanView& scan, double reach) {
     return distance(scan.points[i], scan.points[k]) < 2.0 * kTouching;
   };
   for (std::size_t i = 0; i < result.size(); ++i) {
-    if (!within(scan.points[i], {0.0, 0.0, 0.0}, reach)) continue;
+    if (!within(scan.points[i], {0.0, 0.0}, reach)) continue;
     std::size_t first = i, last = i;
     while (first > 0 && near(i, first - 1)) --first;
     while (last + 1 < result.size() && near(i, last + 1)) ++last;

@@ -83,14 +83,15 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   Nearest nearest(pose, close, most);
   const Placement place(pose);
   for (const Point& point : smoothed(scan, reach)) {
-    if (!within(point, {0.0, 0.0, 0.0}, reach)) continue;
+    if (!within(point, {0.0, 0.0}, reach)) continue;
     const Point hit = place(point);
     const bool known = is_wall(walls, hit, surface);
     nearest.add(known ? Obstacle{hit.x, hit.y, margins.obstacle, 0.0}
                       : Obstacle{hit.x, hit.y, margins.moving, margins.reaction_time});
   }
   for (const Remembered& point : remembered) {
-    if (within({point.x, point.y}, pose, reach)) nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
+    if (within({point.x, point.y}, {pose.x, pose.y}, reach))
+      nearest.add({point.x, point.y, margins.moving, margins.reaction_time});
   }
   std::vector<Point> guessed;
   for (const auto& [point, edge] : beyond) {
@@ -114,13 +115,13 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
 }
 
 std::vector<Obstacle> outside(const std::vector<Obstacle>& obstacles, const Pose& pose, const Footprint& footprint) {
-  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const mr_grid::Frame body(pose);
   std::vector<Obstacle> result;
   result.reserve(obstacles.size());
   std::copy_if(obstacles.begin(), obstacles.end(), std::back_inserter(result), [&](const Obstacle& obstacle) {
-    const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y;
-    return std::abs(c * dx + s * dy) - footprint.half_length > -kTouching ||
-           std::abs(-s * dx + c * dy) - footprint.half_width > -kTouching;
+    const Point place = body.seen({obstacle.x, obstacle.y});
+    return std::abs(place.x) - footprint.half_length > -kTouching ||
+           std::abs(place.y) - footprint.half_width > -kTouching;
   });
   return result;
 }

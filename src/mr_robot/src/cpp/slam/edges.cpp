@@ -25,11 +25,6 @@ constexpr double kSameInPlace = 0.1;     // m within which edges seen from nearl
 constexpr double kThickest = 0.3;        // m of a wall
 constexpr double kSameWay = 0.8;         // cosine
 
-double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y; }
-double cross(const Point& a, const Point& b) { return a.x * b.y - a.y * b.x; }
-Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y}; }
-double norm(const Point& a) { return length_of(a.x, a.y); }
-
 struct Line {
   Point through;
   Point along;  // unit vector, towards the end
@@ -38,10 +33,10 @@ struct Line {
 // `hits`: the first is the one towards which the line runs.
 Line fitted(const std::vector<Point>& hits) {
   Spread spread;
-  for (const Point& hit : hits) spread.add(minus(hit, hits.front()));
+  for (const Point& hit : hits) spread.add(hit - hits.front());
   const Point mean{hits.front().x + spread.mean().x, hits.front().y + spread.mean().y};
   Point along = spread.along();
-  if (dot(along, minus(hits.front(), mean)) < 0.0) along = {-along.x, -along.y};
+  if (dot(along, hits.front() - mean) < 0.0) along = {-along.x, -along.y};
   return {mean, along};
 }
 
@@ -49,7 +44,7 @@ Line fitted(const std::vector<Point>& hits) {
 std::optional<Line> line_through(std::vector<Point> hits) {
   while (hits.size() >= kLeastHits) {
     const Line line = fitted(hits);
-    const auto off = [&line](const Point& hit) { return std::abs(cross(line.along, minus(hit, line.through))); };
+    const auto off = [&line](const Point& hit) { return std::abs(cross(line.along, hit - line.through)); };
     if (std::all_of(hits.begin(), hits.end(), [&](const Point& hit) { return off(hit) < kStraight; })) return line;
     hits.resize(hits.size() * 2 / 3);
   }
@@ -59,7 +54,7 @@ std::optional<Line> line_through(std::vector<Point> hits) {
 // On an average, for single hits err by more.
 bool is_on(const Line& line, const std::vector<Point>& hits) {
   double off = 0.0;
-  for (const Point& hit : hits) off += std::abs(cross(line.along, minus(hit, line.through)));
+  for (const Point& hit : hits) off += std::abs(cross(line.along, hit - line.through));
   return off < kStraight * static_cast<double>(hits.size());
 }
 
@@ -68,9 +63,9 @@ std::vector<Point> chain_from(const std::vector<Beam>& beams, std::size_t index,
   std::vector<Point> chain;
   for (std::size_t i = index; i < beams.size() && beams[i].hit; i += step) {
     const Point& hit = beams[i].end;
-    if (!chain.empty() && norm(minus(hit, chain.back())) > 2.0 * kWidestGap) break;
+    if (!chain.empty() && length_of(hit - chain.back()) > 2.0 * kWidestGap) break;
     chain.push_back(hit);
-    if (norm(minus(hit, chain.front())) > length) break;
+    if (length_of(hit - chain.front()) > length) break;
   }
   return chain;
 }
@@ -80,7 +75,7 @@ std::vector<Point> chain_from(const std::vector<Beam>& beams, std::size_t index,
 std::optional<Line> line_from(const std::vector<Point>& chain, std::size_t first, double size) {
   std::vector<Point> near, beyond;
   for (std::size_t i = first; i < chain.size(); ++i) {
-    const double length = norm(minus(chain[i], chain[first]));
+    const double length = length_of(chain[i] - chain[first]);
     (length <= kLongest ? near : beyond).push_back(chain[i]);
     if (length <= size) continue;
     const auto line = line_through(near);
@@ -95,7 +90,7 @@ std::optional<double> face_of(const Line& line, const Point& normal, const std::
                               std::size_t count) {
   double sum = 0.0, deepest = 0.0, least = INFINITY, most = -INFINITY;
   for (std::size_t i = 0; i < count; ++i) {
-    const Point from = minus(chain[i], line.through);
+    const Point from = chain[i] - line.through;
     const double along = dot(line.along, from);
     sum += along, least = std::min(least, along), most = std::max(most, along);
     deepest = std::max(deepest, -dot(normal, from));
@@ -116,11 +111,11 @@ std::optional<Edge> edge_of(const std::vector<Point>& chain, std::size_t first, 
   if (!line) return std::nullopt;
   Point normal{-line->along.y, line->along.x};
   if (dot(normal, passing.ray) > 0.0) normal = {-normal.x, -normal.y};
-  const double range = norm(passing.ray), incidence = -dot(normal, passing.ray) / range;
+  const double range = length_of(passing.ray), incidence = -dot(normal, passing.ray) / range;
   const double spacing = range * passing.angle / std::max(incidence, 1e-3);
   if (incidence < kLeastIncidence || spacing > kWidestGap) return std::nullopt;
-  if (-dot(normal, minus(passing.beyond, line->through)) < kBehind) return std::nullopt;
-  double end = dot(line->along, minus(chain[first], line->through)) + 0.5 * spacing, deviation = 0.5 * spacing;
+  if (-dot(normal, passing.beyond - line->through) < kBehind) return std::nullopt;
+  double end = dot(line->along, chain[first] - line->through) + 0.5 * spacing, deviation = 0.5 * spacing;
   if (first > 0) {
     const auto face = face_of(*line, normal, chain, first);
     if (!face || std::abs(*face - end) > kWidestGap) return std::nullopt;
@@ -136,14 +131,14 @@ std::optional<Edge> edge_of(const std::vector<Point>& chain, std::size_t first, 
 std::optional<Edge> edge_at(const Scan& scan, std::size_t index, std::size_t next, double size) {
   const Beam &near = scan.beams[index], &far = scan.beams[next];
   if (!near.hit || std::max(near.index, far.index) - std::min(near.index, far.index) != 1) return std::nullopt;
-  const Point ray = minus(near.end, scan.eye), far_ray = minus(far.end, scan.eye);
-  const double range = norm(ray), far_range = norm(far_ray);
+  const Point ray = near.end - scan.eye, far_ray = far.end - scan.eye;
+  const double range = length_of(ray), far_range = length_of(far_ray);
   if (far_range < range + kJump) return std::nullopt;
   const Passing passing{ray, far.end, std::abs(cross(ray, far_ray)) / (range * far_range)};
   const auto chain = chain_from(scan.beams, index, index < next ? -1 : 1, kDeepest + size);
   if (const auto edge = edge_of(chain, 0, passing, size)) return edge;
   for (std::size_t first = kLeastOnFace; first < chain.size(); ++first) {
-    if (norm(minus(chain[first - 1], chain.front())) > kDeepest) break;
+    if (length_of(chain[first - 1] - chain.front()) > kDeepest) break;
     if (const auto edge = edge_of(chain, first, passing, size)) return edge;
   }
   return std::nullopt;
@@ -152,12 +147,12 @@ std::optional<Edge> edge_at(const Scan& scan, std::size_t index, std::size_t nex
 }  // namespace
 
 bool same_edge(const Edge& a, const Edge& b, double reach) {
-  const Point apart = minus(a.place, b.place);
-  return length_of(apart.x, apart.y) < reach && dot(a.off, b.off) > kSameWay && dot(a.normal, b.normal) > kSameWay;
+  const Point apart = a.place - b.place;
+  return length_of(apart) < reach && dot(a.off, b.off) > kSameWay && dot(a.normal, b.normal) > kSameWay;
 }
 
 bool same_end(const Edge& a, const Edge& b, double reach) {
-  const Point apart = minus(a.place, b.place);
+  const Point apart = a.place - b.place;
   const double sides = dot(a.normal, b.normal), behind = dot(a.normal, apart);
   if (dot(a.off, b.off) < kSameWay || std::abs(sides) < kSameWay || std::abs(dot(a.off, apart)) > reach) return false;
   return behind > -reach && behind < (sides > 0.0 ? reach : kThickest);

@@ -10,9 +10,10 @@ namespace mr_sim {
 namespace {
 
 std::vector<Polygon> place(const std::vector<Polygon>& footprint, const Pose& pose) {
+  const mr_grid::Frame frame(pose);
   std::vector<Polygon> placed = footprint;
   for (Polygon& polygon : placed) {
-    for (Point& point : polygon) point = transform(pose, point);
+    for (Point& point : polygon) point = frame * point;
   }
   return placed;
 }
@@ -89,7 +90,7 @@ int World::add_robot(RobotOptions options) {
   robot.outline = place(options.footprint, options.start);
   robot.noise.seed(options.noise_seed);
   robot.walk.seed(options.walk_seed);
-  const Pose odometry = relative(options.localization_origin, options.start);
+  const Pose odometry = between(options.localization_origin, options.start);
   robot.state = {
       odometry.x, odometry.y, odometry.yaw, 0, 0, 0, options.start.x, options.start.y, options.start.yaw, 0, 0, 0,
       0,          0};
@@ -155,7 +156,7 @@ void World::move(int index) {
   if (state.linear == 0.0 && state.lateral == 0.0 && state.angular == 0.0) return;
 
   const Pose pose{state.x, state.y, state.yaw};
-  const Pose next = compose(pose, {state.linear * interval_, state.lateral * interval_, state.angular * interval_});
+  const Pose next = pose * Pose{state.linear * interval_, state.lateral * interval_, state.angular * interval_};
   const Contact contact = contact_at(index, next);
   if (contact != Contact::kNone) {
     state.stalled = 1;
@@ -177,9 +178,9 @@ void World::count_odometry(Robot& robot) const {
   const RobotOptions& options = robot.options;
   Pose odometry{state.odometry_x, state.odometry_y, state.odometry_yaw};
   if (options.exact_localization) {
-    odometry = relative(options.localization_origin, {state.x, state.y, state.yaw});
+    odometry = between(options.localization_origin, {state.x, state.y, state.yaw});
   } else {
-    odometry = compose(odometry, wheel_motion(robot, interval_));
+    odometry = odometry * wheel_motion(robot, interval_);
   }
   state.odometry_x = odometry.x;
   state.odometry_y = odometry.y;
@@ -231,7 +232,7 @@ void World::scan(int index, int ranger_index, float* ranges) {
   const bool errs = ranger.noise_bearing > 0.0;
   const Beams wrong = errs ? disturbed(exact, ranger, robot.noise) : Beams{};
   const Beams& beams = errs ? wrong : exact;
-  const Pose eye = compose({robot.state.x, robot.state.y, robot.state.yaw}, ranger.mount);
+  const Pose eye = Pose{robot.state.x, robot.state.y, robot.state.yaw} * ranger.mount;
   see_walls(ranger, beams, eye, ranges);
   for (int i = 0; i < size(); ++i) {
     if (i != index && !robots_[i].options.seen.empty()) see_robot(robots_[i], ranger, beams, eye, ranges);
@@ -253,23 +254,21 @@ World::Beams World::disturbed(const Beams& beams, const Ranger& ranger, std::mt1
 }
 
 void World::see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const {
-  const double c = std::cos(eye.yaw);
-  const double s = std::sin(eye.yaw);
+  const mr_grid::Frame frame(eye);
   for (const Point& beam : beams.directions) {
-    const Point direction{c * beam.x - s * beam.y, s * beam.x + c * beam.y};
-    *ranges++ = static_cast<float>(visible_->cast({eye.x, eye.y}, direction, ranger.range_max));
+    *ranges++ = static_cast<float>(visible_->cast({eye.x, eye.y}, frame.turned(beam), ranger.range_max));
   }
 }
 
 void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye,
                       float* ranges) const {
-  const Pose centre = relative(eye, {target.state.x, target.state.y, 0.0});
+  const Pose centre = between(eye, {target.state.x, target.state.y, 0.0});
   const double distance = std::hypot(centre.x, centre.y);
   if (distance > ranger.range_max + target.radius) return;
   const double bearing = std::atan2(centre.y, centre.x);
   const double half_width = distance > target.radius ? std::asin(target.radius / distance) : M_PI;
   const std::vector<Polygon> outline =
-      place(target.options.seen, relative(eye, {target.state.x, target.state.y, target.state.yaw}));
+      place(target.options.seen, between(eye, {target.state.x, target.state.y, target.state.yaw}));
   // Only beams that may meet the target's circle are tested; a field of view may reach around to it from either side.
   for (const double turn : {-2.0 * M_PI, 0.0, 2.0 * M_PI}) {
     const double from = bearing + turn - half_width - beams.first;
