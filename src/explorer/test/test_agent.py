@@ -6,6 +6,7 @@ from typing import Any, List, Optional
 import numpy as np
 import pytest
 from conftest import map_of
+from usual_robot import options_with
 
 from explorer.agent import ExplorerAgent
 from explorer.foreign import Element
@@ -23,7 +24,6 @@ from explorer.messages import (
     SetGoal,
     WriteLog,
 )
-from explorer.options import Options
 from explorer.status import State
 from explorer.travel import TravelGrid
 from explorer.verdicts import Verdict
@@ -49,7 +49,7 @@ class Bench:
     """An agent with a clock: keeps the effects, accepts goals unless it is deaf, does not move by itself."""
 
     def __init__(self, strategy: int = 7, robot_name: str = "robot_0", **options: Any) -> None:
-        self.agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name=robot_name, **options))
+        self.agent = ExplorerAgent(options_with(frontier_selection=strategy, robot_name=robot_name, **options))
         self.now = 100.0
         self.effects: List[Any] = []
         self.deaf = False

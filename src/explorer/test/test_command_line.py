@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from conftest import drawn
 from test_scene_file import decisions
+from usual_robot import options_with
 
 from explorer import scene_file
 from explorer.command_line.arguments import main
-from explorer.options import Options
 from explorer.survey import survey
 
 HALL = [
@@ -77,7 +77,7 @@ def test_short_frontiers_are_noise_by_the_length_given(capsys: Any, map_yaml: st
 
 
 def test_lengths_of_a_survey_are_those_of_its_cells() -> None:
-    seen = survey(drawn(HALL, scale=8), Options())
+    seen = survey(drawn(HALL, scale=8), options_with())
     for stretch in seen.stretches:
         assert stretch.length == pytest.approx(0.1 * len(stretch.cells))
         assert min(np.hypot(*(stretch.cells - stretch.place).T)) < 1e-9

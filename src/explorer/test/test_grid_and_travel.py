@@ -8,10 +8,12 @@ import pytest
 from conftest import drawn, map_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from usual_robot import LARGEST
 
 from explorer._kernels import lines_are_clear
 from explorer.errors import MapError
 from explorer.grid import OccupancyMap, line_is_clear
+from explorer.ground import Ground
 from explorer.travel import MAXIMUM_CELLS, TravelGrid
 from mr_grid import GridInfo, Pose
 
@@ -100,7 +102,7 @@ def test_what_another_robot_looks_like_does_not_block() -> None:
     cells[33:38, 93:98] = 100
     blocked = map_of(cells)
     assert math.isinf(TravelGrid(blocked, 0.25, 0.6).field_from(2.0, 2.0).at(15.0, 2.0))
-    seen = TravelGrid(blocked, 0.25, 0.6, robots=[(9.5, 3.5)])
+    seen = TravelGrid(blocked, 0.25, 0.6, ground=Ground.of(blocked, 0.25, [(9.5, 3.5)], LARGEST))
     assert math.isfinite(seen.field_from(2.0, 2.0).at(15.0, 2.0))
 
 

@@ -8,13 +8,13 @@ import pytest
 from conftest import map_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from usual_robot import LARGEST, options_with
 
 from explorer import ground
 from explorer.changes import TILE, aligned, blocks, changed_windows, grown, within
 from explorer.frontier_map import FrontierMap, frontier_cells
 from explorer.grid import OccupancyMap
 from explorer.ground import Ground
-from explorer.options import Options
 from explorer.perception import Perception
 from explorer.senses import Senses
 from explorer.travel import TravelGrid
@@ -123,8 +123,8 @@ def test_ground_and_frontiers_follow_the_map(seed: int) -> None:
         if step % 2:
             building.stand(robots)
         occupancy = building.map()
-        former = Ground.of(occupancy, RADIUS, robots, former)
-        whole = Ground.of(occupancy, RADIUS, robots)
+        former = Ground.of(occupancy, RADIUS, robots, LARGEST, former)
+        whole = Ground.of(occupancy, RADIUS, robots, LARGEST)
         assert former.count == whole.count
         for layer, expected in zip(former.layers, whole.layers):
             assert np.array_equal(layer, expected)
@@ -144,12 +144,12 @@ def test_costs_follow_the_map(seed: int) -> None:
     for _ in range(3):
         robots, stops = building.places(2), building.places(4)
         occupancy = building.map()
-        former = Ways(occupancy, RADIUS, robots, former=former)
-        own = TravelGrid(occupancy, RADIUS, COMFORT, robots)
-        tour = TravelGrid(occupancy, RADIUS, COMFORT, robots, cell=TOUR_CELL)
+        former = Ways(occupancy, RADIUS, robots, LARGEST, former=former)
+        own = TravelGrid(occupancy, RADIUS, COMFORT, ground=Ground.of(occupancy, RADIUS, robots, LARGEST))
+        tour = TravelGrid(occupancy, RADIUS, COMFORT, cell=TOUR_CELL, ground=own.ground)
         for place in stops:
             assert np.array_equal(former.grid.field_from(*place).cost, own.field_from(*place).cost)
-        assert np.array_equal(former.between(stops), Ways(occupancy, RADIUS, robots).between(stops))
+        assert np.array_equal(former.between(stops), Ways(occupancy, RADIUS, robots, LARGEST).between(stops))
         assert np.array_equal(former._tour_grid.traversable, tour.traversable)
         building.look()
 
@@ -160,7 +160,7 @@ class Perceiver:
     def __init__(self, forgetful: bool) -> None:
         self.forgetful = forgetful
         self.senses, self.verdicts = Senses(None), Verdicts()
-        self.perception = Perception(Options(), self.senses)
+        self.perception = Perception(options_with(), self.senses)
 
     def take(self, occupancy: OccupancyMap, pose: Pose, others: List[Tuple[float, float]], now: float) -> List[object]:
         """Everything that is perceived."""
@@ -213,23 +213,23 @@ def test_work_is_as_large_as_the_change(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(ground, "distances_to", counting)
     cells = np.zeros((800, 800), dtype=np.int8)
     cells[:, ::50] = 100
-    first = Ways(map_of(cells, 0.05), RADIUS, [])
+    first = Ways(map_of(cells, 0.05), RADIUS, [], LARGEST)
     assert measured == [cells.size]
     changed = cells.copy()
     changed[400:410, 410:420] = -1
-    second = Ways(map_of(changed, 0.05), RADIUS, [], former=first)
+    second = Ways(map_of(changed, 0.05), RADIUS, [], LARGEST, former=first)
     reach = 2 * (second.grid.factor + 16)
     assert len(measured) == 2 and measured[1] <= (2 * TILE + 2 * reach) ** 2
-    third = Ways(map_of(changed.copy(), 0.05), RADIUS, [], former=second)
+    third = Ways(map_of(changed.copy(), 0.05), RADIUS, [], LARGEST, former=second)
     assert len(measured) == 2 and third.grid is second.grid
 
 
 def test_costs_from_the_same_cell_are_not_computed_again() -> None:
     building = Growing.drawn(3)
-    grid = Ways(building.map(), 0.25, []).grid
+    grid = Ways(building.map(), 0.25, [], LARGEST).grid
     field = grid.field_from(1.0, 4.0)
     assert grid.field_from(1.01, 4.01, field) is field and grid.field_from(1.5, 4.0, field) is not field
-    other = Ways(building.map(), 0.25, []).grid
+    other = Ways(building.map(), 0.25, [], LARGEST).grid
     assert other.field_from(1.0, 4.0, field) is not field
 
 

@@ -6,6 +6,7 @@ from typing import Any, List, Optional, Tuple, cast
 
 import numpy as np
 import pytest
+from usual_robot import LARGEST
 
 from explorer.foreign import ForeignFrontiers
 from explorer.grid import OccupancyMap
@@ -38,7 +39,7 @@ class Bench:
         self.team.set_known(["robot_1"])
         if home is not None:
             foreign.set_transform("robot_1", np.array([[1.0, 0.0, home[0]], [0.0, 1.0, home[1]]]))
-        ways = Ways(dead_end(half_width), RADIUS, [])
+        ways = Ways(dead_end(half_width), RADIUS, [], LARGEST)
         perception = cast(Perception, SimpleNamespace(ways=ways))
         self.room, self.now = MakingRoom(senses, perception, self.team, foreign, RADIUS), 100.0
 

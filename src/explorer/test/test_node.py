@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any, Callable, List
 
 import pytest
+from usual_robot import options_with
 
 import explorer
 
@@ -22,7 +23,6 @@ for package in (
 
 from explorer import ros_node  # noqa: E402
 from explorer.agent import ExplorerAgent  # noqa: E402
-from explorer.options import Options  # noqa: E402
 
 
 class LockTakenBefore:
@@ -43,7 +43,7 @@ class LockTakenBefore:
 def node(monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(ros_node.rospy, "get_time", lambda: 1.0)
     made = ros_node.ExplorerNode.__new__(ros_node.ExplorerNode)
-    made._options = Options(robot_name="robot_0")
+    made._options = options_with(robot_name="robot_0")
     made._agent = ExplorerAgent(made._options)
     return made
 

@@ -7,6 +7,7 @@ from typing import Any, Dict, List
 
 import pytest
 from conftest import HERE
+from usual_robot import options_with
 
 from explorer import logs, names, options
 from explorer.agent import ExplorerAgent
@@ -41,7 +42,7 @@ def test_defaults_of_the_contract() -> None:
     for name, default in CONTRACT_DEFAULTS.items():
         assert by_name[name].default == default
         assert type(by_name[name].default) is by_name[name].type
-    assert options.load({}, host_name="joy") == options.Options(robot_name="joy", base_link="base_link")
+    assert options.load({}, host_name="joy") == options_with(robot_name="joy", base_link="base_link")
 
 
 def test_every_parameter_arrives() -> None:
@@ -165,7 +166,7 @@ def test_readme_lists_the_parameters() -> None:
 def test_readme_lists_the_names() -> None:
     text = " ".join(" ".join(row) for row in table_rows("| Direction | Name | Type |"))
     listed = set(re.findall(r"`([^`]+)`", text))
-    all_names = names.names_for(options.Options())
+    all_names = names.names_for(options_with())
     used = {*all_names.subscribed.values(), *all_names.published.values(), *all_names.called.values()}
     used |= {*all_names.offered.values(), all_names.action}
     used -= {f"cluster_grid_{index}" for index in range(1, names.CLUSTER_GRIDS - 1)}

@@ -4,11 +4,11 @@ from typing import Any, Callable, List
 
 import pytest
 from test_agent import Bench, corridor, reply
+from usual_robot import options_with
 
 from explorer.agent import ExplorerAgent
 from explorer.answer import Answer
 from explorer.messages import Auction, CancelGoal, Note, SendAuction, SendState, SetGoal, WriteLog
-from explorer.options import Options
 from explorer.status import State
 from explorer.team_state import TeamOrder
 from mr_grid import Pose
@@ -247,7 +247,7 @@ def test_a_robot_that_waits_for_its_map_can_be_paused() -> None:
 def unstarted(**options: Any) -> Bench:
     """It has map and pose, and waits for the start."""
     bench = Bench(7, **options)
-    bench.agent = ExplorerAgent(Options(robot_name="robot_0", autostart=False, **options))
+    bench.agent = ExplorerAgent(options_with(robot_name="robot_0", autostart=False, **options))
     bench.map(corridor()).run(1.0)
     assert bench.agent.text == "waits for the start"
     return bench
@@ -437,7 +437,7 @@ def test_a_robot_that_was_stopped_drives_home_when_told_after_the_clock_was_set_
 @pytest.mark.parametrize("autostart, last", [(True, "waits for move_base"), (False, "waits for the start")])
 def test_a_robot_that_has_not_begun_tells_what_it_waits_for(autostart: bool, last: str) -> None:
     """It said "waits for the start" also where only its map was missing."""
-    agent = ExplorerAgent(Options(robot_name="robot_0", autostart=autostart))
+    agent = ExplorerAgent(options_with(robot_name="robot_0", autostart=autostart))
     agent.tick(0.0)
     assert agent.text == "waits for the map"
     agent.on_global_map(corridor(), 1.0)

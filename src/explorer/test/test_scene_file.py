@@ -10,6 +10,7 @@ import pytest
 from conftest import drawn
 from hypothesis import given
 from hypothesis import strategies as st
+from usual_robot import options_with
 
 from explorer import scene_file
 from explorer.agent import ExplorerAgent
@@ -18,7 +19,6 @@ from explorer.decision import Decision, replayed
 from explorer.errors import SceneError
 from explorer.foreign import Element
 from explorer.messages import Auction, Bid, SendAuction
-from explorer.options import Options
 from explorer.scene import Scene
 from explorer.scene_folder import SceneFolder
 from explorer.strategies import TITLES, strategy_of
@@ -40,7 +40,7 @@ ROOMS = [
 def decisions(strategy: int, seed: int = 3) -> List[Decision]:
     """Of a robot in a team of three, with bids told, a claim, and a goal after the other."""
     made: List[Decision] = []
-    agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name="robot_0", seed=seed), made.append)
+    agent = ExplorerAgent(options_with(frontier_selection=strategy, robot_name="robot_0", seed=seed), made.append)
     agent.start(0.0)
     agent.on_robots(["robot_1", "robot_2"], 0.0)
     for robot in ("robot_1", "robot_2"):

@@ -6,6 +6,7 @@ from typing import Any, List, Optional, Tuple
 import numpy as np
 import pytest
 from conftest import map_of
+from usual_robot import LARGEST
 
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
@@ -17,7 +18,7 @@ from explorer.strategies.strategy import FrontierStrategy, registered
 from explorer.ways import Ways
 from mr_grid import Pose
 
-HALL = Ways(map_of(np.zeros((100, 200))), 0.25, [])  # 20 m x 10 m
+HALL = Ways(map_of(np.zeros((100, 200))), 0.25, [], LARGEST)  # 20 m x 10 m
 
 
 def cluster(number: int, x: float, y: float = 5.0, gain: float = 1.0) -> Cluster:

@@ -5,6 +5,7 @@ from typing import Dict, List, Optional, Sequence
 import numpy as np
 import pytest
 from conftest import drawn, map_of
+from usual_robot import LARGEST
 
 from explorer._kernels import unknown_behind
 from explorer.clusters import Cluster
@@ -86,13 +87,13 @@ DOOR, SLIT = Frontier(1, 0.7, 0.45), Frontier(2, 1.95, 0.45)
 
 
 def test_a_door_leads_somewhere_and_a_slit_does_not() -> None:
-    behind = prospects([DOOR, SLIT], Ways(seen_through(door=False), 0.1, ()), (0.3, 0.3))
+    behind = prospects([DOOR, SLIT], Ways(seen_through(door=False), 0.1, (), LARGEST), (0.3, 0.3))
     assert behind[DOOR.number].area == 0.0 and behind[SLIT.number].area > 0.2
     assert behind[SLIT.number].enterable == 0.0
 
 
 def test_what_is_seen_through_a_slit_counts_where_a_door_leads_there_too() -> None:
-    behind = prospects([DOOR, SLIT], Ways(seen_through(door=True), 0.1, ()), (0.3, 0.3))
+    behind = prospects([DOOR, SLIT], Ways(seen_through(door=True), 0.1, (), LARGEST), (0.3, 0.3))
     assert behind[DOOR.number].enterable > 0.5 and behind[DOOR.number].passable
     assert behind[SLIT.number].enterable > 0.1
 
@@ -100,7 +101,7 @@ def test_what_is_seen_through_a_slit_counts_where_a_door_leads_there_too() -> No
 def test_a_slit_far_from_every_door_leads_nowhere() -> None:
     """The corner of an outer wall that nobody has seen yet is a slit to all that is outside."""
     rows = ["#" * 7 + " " * 6 + "#" * 77 + " " * 4 + "#" * 6, *["#" + "." * 98 + "#"] * 8, "#" * 100]
-    ways = Ways(drawn([*[" " * 100] * 40, *rows], scale=1, resolution=0.1), 0.25, ())
+    ways = Ways(drawn([*[" " * 100] * 40, *rows], scale=1, resolution=0.1), 0.25, (), LARGEST)
     door, slit = Frontier(1, 1.0, 0.85), Frontier(2, 9.2, 0.85)
     behind = prospects([door, slit], ways, (1.0, 0.5))
     assert behind[door.number].enterable > 1.0
@@ -108,17 +109,17 @@ def test_a_slit_far_from_every_door_leads_nowhere() -> None:
 
 
 def test_the_robot_may_stand_only_where_it_can_get_to() -> None:
-    ways = Ways(seen_through(door=False), 0.1, ())
+    ways = Ways(seen_through(door=False), 0.1, (), LARGEST)
     inside = enterable(ways, (0.3, 0.3))
     assert inside[6, 6] and not inside[20, 20] and not inside[0, 0]
 
 
 def test_no_frontiers_no_prospects() -> None:
-    assert prospects([], Ways(seen_through(door=True), 0.1, ()), (0.3, 0.3)) == {}
+    assert prospects([], Ways(seen_through(door=True), 0.1, (), LARGEST), (0.3, 0.3)) == {}
 
 
 def test_unknown_off_the_map_counts() -> None:
-    ways = Ways(map_of(np.zeros((20, 20))), 0.1, ())
+    ways = Ways(map_of(np.zeros((20, 20))), 0.1, (), LARGEST)
     assert prospects([Frontier(1, 1.95, 1.0)], ways, (1.0, 1.0))[1].area > 3.0
 
 

@@ -6,6 +6,7 @@ from typing import Any, List, Optional, Sequence
 
 import numpy as np
 from conftest import drawn
+from usual_robot import options_with
 
 from explorer.agent import ExplorerAgent
 from explorer.grid import OccupancyMap
@@ -19,7 +20,6 @@ from explorer.messages import (
     SendStatement,
     SetGoal,
 )
-from explorer.options import Options
 from explorer.status import State
 from explorer.travel import TravelGrid
 from mr_grid import Pose
@@ -65,7 +65,7 @@ class TinyWorld:
             if str(number) in row:
                 place = ((row.index(str(number)) + 0.5) * CELLS_PER_SIGN, (line + 0.5) * CELLS_PER_SIGN)
                 pose = Pose(place[0] * self.truth.info.resolution, place[1] * self.truth.info.resolution, 0.0)
-                options = Options(frontier_selection=strategy, robot_name=f"robot_{number}", seed=number)
+                options = options_with(frontier_selection=strategy, robot_name=f"robot_{number}", seed=number)
                 return Robot(ExplorerAgent(options), pose)
         raise ValueError(f"robot {number} is not in the world")
 

@@ -12,9 +12,6 @@ from explorer.grid import OccupancyMap
 from mr_grid import FREE
 from mr_grid.robot_traces import cells_without_robots
 
-# From the centre of the largest robot of the team to its farthest corner, in metres, unless a parameter says otherwise.
-LARGEST_ROBOT_RADIUS = 0.29
-
 # A comfortable place is this much farther from unknown cells than a robot has to be from obstacles, in metres.
 UNKNOWN_ROOM = 0.05
 
@@ -88,12 +85,12 @@ class Ground:
         occupancy: OccupancyMap,
         radius: float,
         robots: Sequence[Position],
+        largest: float,
         former: Optional["Ground"] = None,
-        largest: float = LARGEST_ROBOT_RADIUS,
     ) -> "Ground":
         """`robots`: places of the others in metres; the small isolated obstacles that the map shows there are taken for
-        them. `former`: of any earlier map; only what has changed since is computed, and without a change it is returned
-        itself. `largest`: radius of the largest robot of the team in metres."""
+        them. `largest`: radius of the largest robot of the team in metres, to its farthest corner. `former`: of any
+        earlier map; only what has changed since is computed, and without a change it is returned itself."""
         cells = cells_without_robots(occupancy, robots, largest, OccupancyMap.OCCUPIED_FROM)
         changed = None
         if former is not None and (former.radius, former.occupancy.info) == (radius, occupancy.info):

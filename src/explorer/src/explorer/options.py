@@ -86,6 +86,8 @@ PARAMETERS: Tuple[Parameter, ...] = (
     Parameter("seed", int, 0, "of the random choices of strategies 4 and 6", **_between(0, 2**31 - 1)),
 )
 
+DEFAULTS: Dict[str, Any] = {parameter.name: parameter.default for parameter in PARAMETERS}
+
 # Relative, of all robots under one master. Logged, as in the original.
 ROBOTS_IN_SIMULATION = Parameter(
     "robots_in_simulation", int, 1, "number of robots, logged", **_between(0, 100000), private=False
@@ -102,8 +104,13 @@ WITHOUT_EFFECT: Dict[str, str] = {
 @dataclass(frozen=True)
 class Options:
     """All parameters after checking, and the robot's identity. Attribute `local_costmap_width` holds
-    `local_costmap/width`, and so on."""
+    `local_costmap/width`, and so on. What has no default follows from the robot; `load` takes a usual one where nobody
+    says what it is."""
 
+    inflation_radius: float
+    largest_robot_radius: float
+    view_distance: float
+    field_of_view: float
     frontier_selection: int = 1
     strategy: str = ""
     robot_prefix: str = ""
@@ -119,11 +126,7 @@ class Options:
     map_topic: str = "map_merger/global_map"
     local_map_metadata_topic: str = "map_metadata"
     autostart: bool = True
-    inflation_radius: float = 0.25
-    largest_robot_radius: float = 0.29
     minimal_frontier_length: float = 0.4
-    view_distance: float = 1.5
-    field_of_view: float = 4.71
     auction_timeout: float = 1.0
     claim_timeout: float = 30.0
     progress_timeout: float = 20.0

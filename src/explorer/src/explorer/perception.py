@@ -95,7 +95,7 @@ class Perception:
         gone: List[Frontier] = []
         if self._new_map:
             radius, largest = self._options.inflation_radius, self._options.largest_robot_radius
-            ways = Ways(occupancy, radius, others, team, self.ways, largest)
+            ways = Ways(occupancy, radius, others, largest, team, self.ways)
             gone = self._read(occupancy, verdicts, ways, now)
         assert self.ways is not None
         self.field = self.ways.grid.field_from(pose.x, pose.y, self.field)

@@ -13,7 +13,6 @@ from explorer.decision import Decision
 from explorer.errors import ExplorerError, SceneError
 from explorer.frontiers import Frontier
 from explorer.grid import OccupancyMap
-from explorer.ground import LARGEST_ROBOT_RADIUS
 from explorer.recognition import Listed
 from explorer.scene import Scene
 from explorer.ways import Ways
@@ -21,6 +20,7 @@ from mr_grid import GridInfo, Pose
 
 FORMAT = "explorer decision 1"
 MOST_CELLS = 100_000_000
+UNTOLD_LARGEST = 0.29  # m, radius of the largest robot of the teams that made files which do not tell it
 
 Json = Dict[str, Any]
 
@@ -143,8 +143,7 @@ def _to_ways(given: Json) -> Ways:
         raise SceneError(f"the map is not of {width} x {height} cells")
     cells = np.frombuffer(octets, dtype=np.int8).reshape(height, width)
     robots = [_place(place) for place in given["robots"]]
-    largest = float(given.get("largest", LARGEST_ROBOT_RADIUS))  # older files were made by robots of one size
-    return Ways(OccupancyMap(info, cells), float(given["radius"]), robots, largest=largest)
+    return Ways(OccupancyMap(info, cells), float(given["radius"]), robots, float(given.get("largest", UNTOLD_LARGEST)))
 
 
 def _from_cluster(cluster: Cluster) -> Json:

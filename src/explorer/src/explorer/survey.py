@@ -47,7 +47,7 @@ class Survey:
 
 def survey(occupancy: OccupancyMap, options: Options, start: Optional[Position] = None) -> Survey:
     """Without a `start` the robot is in the largest space. Raises `MapError` if it cannot be where it is said to be."""
-    ways = Ways(occupancy, options.inflation_radius, [])
+    ways = Ways(occupancy, options.inflation_radius, [], options.largest_robot_radius)
     place = _in_largest_space(ways) if start is None else start
     if ways.grid.nearest(ways.grid.traversable, *place, SNAP_DISTANCE) is None:
         raise MapError(f"no robot of radius {options.inflation_radius:g} m can be at ({place[0]:g}, {place[1]:g})")

@@ -6,7 +6,7 @@ The fields are computed on a grid of reduced resolution (`TravelGrid`) by Dijkst
 
 import math
 from functools import cached_property
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 
@@ -72,17 +72,14 @@ class TravelGrid:
         occupancy: OccupancyMap,
         radius: float,
         comfort: float,
-        robots: Sequence[Tuple[float, float]] = (),
         cell: float = 0.1,
         ground: Optional[Ground] = None,
     ) -> None:
         """`comfort`: at most `MOST_ROOM` more than the radius. `cell`: edge length in metres of the coarse cells, more
-        where the map is too large. `robots`: positions of the other robots in metres; the small isolated obstacles that
-        the map shows there are taken for the robots. `ground`: of this map with these robots, if it is there already.
-        """
+        where the map is too large. `ground`: of this map and the robots on it; without it all obstacles are walls."""
         if comfort > radius + MOST_ROOM + 1e-9:
             raise ValueError(f"a comfortable clearance of {comfort:g} m is more than {radius + MOST_ROOM:g} m")
-        self.ground: Ground = Ground.of(occupancy, radius, robots) if ground is None else ground
+        self.ground: Ground = Ground.of(occupancy, radius, (), 0.0) if ground is None else ground
         self.occupied = self.ground.layers.occupied
         self.factor = factor_for(self.ground, cell)
         self.info: GridInfo = self._coarse_info(occupancy.info)

@@ -7,7 +7,7 @@ import numpy as np
 
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
-from explorer.ground import LARGEST_ROBOT_RADIUS, Ground
+from explorer.ground import Ground
 from explorer.tour import ways_between
 from explorer.travel import CostField, TravelGrid, factor_for
 
@@ -24,18 +24,18 @@ class Ways:
         occupancy: OccupancyMap,
         radius: float,
         robots: Sequence[Position],
+        largest: float,
         team: int = 0,
         former: Optional["Ways"] = None,
-        largest: float = LARGEST_ROBOT_RADIUS,
     ) -> None:
         """`radius`: of the robot in metres. `robots`: places of the others in metres, whose traces on the map are no
-        obstacles. `team`: number of robots for which costs are kept. `former`: over any earlier map; what still holds
-        of it is not computed again. `largest`: radius of the largest robot of the team in metres."""
+        obstacles. `largest`: radius of the largest robot of the team in metres. `team`: number of robots for which
+        costs are kept. `former`: over any earlier map; what still holds of it is not computed again."""
         self.occupancy = occupancy
         self.radius, self.largest, self.robots = radius, largest, tuple(robots)
         self.comfort = radius + COMFORT
         self._kept = max(FEWEST_FIELDS, team)
-        ground = Ground.of(occupancy, radius, robots, None if former is None else former.grid.ground, largest)
+        ground = Ground.of(occupancy, radius, robots, largest, None if former is None else former.grid.ground)
         self._fields: Dict[Position, CostField] = {}
         if former is not None and former.grid.ground is ground:
             self.grid: TravelGrid = former.grid

@@ -8,7 +8,7 @@ import cv2
 
 from explorer.command_line import decide, frontiers
 from explorer.errors import ExplorerError
-from explorer.options import Options
+from explorer.options import DEFAULTS
 from mr_grid.option_types import finite, picture, positive
 
 USAGE = 2
@@ -51,15 +51,17 @@ def _parser() -> argparse.ArgumentParser:
         metavar=("X", "Y"),
         help="the robot's place in m; without it the robot is in the largest space",
     )
-    one.add_argument("--radius", type=positive, default=Options.inflation_radius, help=_told("m, inflation_radius"))
+    one.add_argument("--radius", type=positive, default=DEFAULTS["inflation_radius"], help=_told("m, inflation_radius"))
     one.add_argument(
         "--shortest",
         type=finite,
-        default=Options.minimal_frontier_length,
+        default=DEFAULTS["minimal_frontier_length"],
         metavar="LENGTH",
         help=_told("m, minimal_frontier_length"),
     )
-    one.add_argument("--view-distance", type=positive, default=Options.view_distance, help=_told("m, view_distance"))
+    one.add_argument(
+        "--view-distance", type=positive, default=DEFAULTS["view_distance"], help=_told("m, view_distance")
+    )
     _add_outputs(one)
     one.set_defaults(run=frontiers.run)
     two = commands.add_parser("decide", help="replay a recorded decision", description=decide.__doc__)

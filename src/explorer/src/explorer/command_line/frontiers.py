@@ -8,14 +8,18 @@ from typing import Any, Dict, List
 
 from explorer.clusters import Cluster
 from explorer.command_line import map_file
-from explorer.options import Options
+from explorer.options import DEFAULTS, Options
 from explorer.survey import Stretch, Survey, survey
 
 
 def run(given: argparse.Namespace) -> int:
     """Prints the answer and draws it if that is wanted."""
     options = Options(
-        inflation_radius=given.radius, minimal_frontier_length=given.shortest, view_distance=given.view_distance
+        inflation_radius=given.radius,
+        largest_robot_radius=DEFAULTS["largest_robot_radius"],
+        view_distance=given.view_distance,
+        field_of_view=DEFAULTS["field_of_view"],
+        minimal_frontier_length=given.shortest,
     )
     seen = survey(map_file.read(given.map), options, None if given.at is None else (given.at[0], given.at[1]))
     print(json.dumps(answer(seen)) if given.json else text(seen))
