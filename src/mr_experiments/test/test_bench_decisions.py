@@ -6,12 +6,14 @@ import pytest
 
 from mr_experiments.bench import bench_decisions
 from mr_experiments.bench.scripted_team import ScriptedTeam
+from mr_experiments.trial.trial_world import description_of
 
 SMALL = (26.0, 15.0)
+ROBOT = description_of(bench_decisions.WORLD).robots[0]
 
 
 def test_team_sees_more_and_more_until_all_is_seen():
-    team = ScriptedTeam("office", 7, SMALL, 3)
+    team = ScriptedTeam("office", 7, SMALL, 3, ROBOT)
     shares = [team.known]
     while team.drive(1.0):
         shares.append(team.known)
@@ -22,7 +24,7 @@ def test_team_sees_more_and_more_until_all_is_seen():
 
 
 def test_each_map_is_a_step_in_which_the_agent_decides():
-    bench = bench_decisions.Bench(ScriptedTeam("office", 7, SMALL, 4), 7)
+    bench = bench_decisions.Bench(ScriptedTeam("office", 7, SMALL, 4, ROBOT), 7)
     bench.stage(3)
     assert (len(bench.first), len(bench.maps), len(bench.between)) == (1, 3, 4 * 9)
     assert bench._agent.goal is not None and bench._agent.counters.maps == 4

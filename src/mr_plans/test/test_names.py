@@ -37,8 +37,8 @@ def test_other_worlds_are_not_generated():
 
 
 def test_files_hold_the_plan_and_sixteen_robots():
-    files = world_files(parse_name("generated:rooms:4:20x15"))
+    files = world_files(parse_name("generated:rooms:4:20x15"), 0.29)
     picture = cv2.imdecode(np.frombuffer(files.picture, np.uint8), cv2.IMREAD_GRAYSCALE)
     assert np.array_equal(np.flipud(picture) < 128, world_plan("rooms", 4, (20.0, 15.0)).walls)
     assert files.text.count("pioneer (") == 16 and f'bitmap "{files.stem}.png"' in files.text
-    assert files == world_files(parse_name("generated:rooms:4:20x15"))
+    assert files == world_files(parse_name("generated:rooms:4:20x15"), 0.29)

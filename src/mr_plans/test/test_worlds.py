@@ -1,6 +1,8 @@
 """What worlds promise to robots that drive in them, for every kind and size."""
 
 import hashlib
+import itertools
+import math
 
 import cv2
 import numpy as np
@@ -15,6 +17,8 @@ from mr_plans.worlds import LONGEST_M, SHORTEST_M
 
 OPEN_SHARE = 0.12
 """Of the building, at least, that robots can drive through: dead rock and solid blocks take the rest."""
+
+RADIUS = 0.29  # m, of the robots of generated worlds
 
 
 @st.composite
@@ -44,16 +48,16 @@ def test_a_world_is_one_connected_space_closed_outside(world):
 @given(worlds(), st.booleans())
 def test_sixteen_robots_start_free_and_apart(world, spread):
     plan = world_plan(*world)
-    starts = (anywhere if spread else side_by_side)(plan, world[1])
+    starts = (anywhere if spread else side_by_side)(plan, world[1], RADIUS)
     assert len(starts) == 16
     cells = np.array([(int(y / plan.resolution), int(x / plan.resolution)) for x, y, _ in starts])
     assert (places(plan.walls, 6) & reachable(plan.walls))[cells[:, 0], cells[:, 1]].all()
     between = np.hypot(*(np.array(starts)[:, None, :2] - np.array(starts)[None, :, :2]).transpose(2, 0, 1))
     np.fill_diagonal(between, np.inf)
-    assert between.min() >= ABREAST_M - 1e-6
+    assert between.min() >= 2.0 * RADIUS + ABREAST_M - 1e-6
     if not spread:
         nearest = [between[number, :number].min() for number in range(1, 16)]
-        assert max(nearest) <= BEHIND_M + 1e-6, "each stands beside one of those before it"
+        assert max(nearest) <= 2.0 * RADIUS + BEHIND_M + 1e-6, "each stands beside one of those before it"
         assert {heading for _, _, heading in starts} == {0.0}
 
 
@@ -62,7 +66,17 @@ def test_sixteen_robots_start_free_and_apart(world, spread):
 def test_every_kind_comes_in_every_size(kind, size):
     plan = world_plan(kind, 5, size)
     assert plan.walls.shape == (round(size[1] / 0.05), round(size[0] / 0.05))
-    assert len(side_by_side(plan, 5)) == 16
+    assert len(side_by_side(plan, 5, RADIUS)) == 16
+
+
+@pytest.mark.parametrize("radius", [0.18, 0.5])
+def test_larger_robots_start_farther_apart_and_from_walls(radius):
+    plan = world_plan("hall", 7, (30.0, 20.0))
+    for place in (side_by_side, anywhere):
+        starts = place(plan, 7, radius, 4)
+        cells = np.array([(int(y / plan.resolution), int(x / plan.resolution)) for x, y, _ in starts])
+        assert places(plan.walls, math.floor(radius / plan.resolution))[cells[:, 0], cells[:, 1]].all()
+        assert min(math.dist(one[:2], other[:2]) for one, other in itertools.combinations(starts, 2)) > 2.0 * radius
 
 
 HASHES = {
@@ -82,7 +96,7 @@ HASHES = {
 @pytest.mark.parametrize(("kind", "expected"), HASHES.items())
 def test_a_seed_gives_the_same_world_on_every_computer(kind, expected):
     plan = world_plan(kind, 7)
-    starts = repr(side_by_side(plan, 7)) + repr([(x, y) for x, y, _ in anywhere(plan, 7)])
+    starts = repr(side_by_side(plan, 7, RADIUS)) + repr([(x, y) for x, y, _ in anywhere(plan, 7, RADIUS)])
     assert hashlib.sha256(np.packbits(plan.walls).tobytes() + starts.encode()).hexdigest()[:12] == expected
 
 
@@ -133,4 +147,4 @@ def test_a_plan_without_room_is_an_error():
     plan = FloorPlan(np.pad(np.zeros((30, 30), bool), 2, constant_values=True))
     for place in (side_by_side, anywhere):
         with pytest.raises(ValueError, match="16 robots"):
-            place(plan, 1)
+            place(plan, 1, RADIUS)

@@ -10,12 +10,13 @@ from .passable import places, reachable
 from .plan import FloorPlan
 
 MOST_ROBOTS = 16
-ABREAST_M, BEHIND_M = 0.7, 0.8
-"""Between robots that start side by side, across and along their heading 0."""
-APART_M = 2.0, 1.5, 1.0, 0.7
-"""Between robots that start anywhere: the first of these distances for which the plan has room."""
-_STAND_CELLS = 7
-"""A robot stands where no wall cell's centre is within that many cells: it can turn on the spot."""
+ABREAST_M, BEHIND_M = 0.12, 0.22
+"""Left between robots that start side by side, across and along their heading 0, however they turn."""
+APART_M = 2.0, 1.5, 1.0
+"""Between the middles of robots that start anywhere: the first of these distances for which the plan has room, or that
+of robots side by side."""
+_STAND_M = 0.06
+"""Left between a robot that turns on the spot and the centre of the nearest wall cell."""
 _TRIALS = 60
 _STREAM = 0x53544152
 
@@ -23,11 +24,12 @@ Start = Tuple[float, float, float]
 """x, y in m, heading in rad, in the world."""
 
 
-def side_by_side(plan: FloorPlan, seed: int, count: int = MOST_ROBOTS) -> List[Start]:
-    """Starts with heading 0 on a lattice of 0.8 m x 0.7 m, as near together as the free spot allows, so that the first
-    of them are a good start for a smaller team. ValueError if the plan has no room for `count` robots."""
-    standing = _standing(plan)
-    steps = round(ABREAST_M / plan.resolution), round(BEHIND_M / plan.resolution)
+def side_by_side(plan: FloorPlan, seed: int, radius: float, count: int = MOST_ROBOTS) -> List[Start]:
+    """Starts with heading 0 on a lattice, as near together as the free spot allows, so that the first of them are a
+    good start for a smaller team. `radius`: m, from the middle of a robot to its farthest corner. ValueError if the
+    plan has no room for `count` robots."""
+    standing = _standing(plan, radius)
+    steps = round(_step(radius, ABREAST_M) / plan.resolution), round(_step(radius, BEHIND_M) / plan.resolution)
     spots = np.argwhere(standing)
     random = np.random.Generator(np.random.PCG64([_STREAM, seed]))
     best: List[Tuple[int, int]] = []
@@ -42,16 +44,18 @@ def side_by_side(plan: FloorPlan, seed: int, count: int = MOST_ROBOTS) -> List[S
     return [_pose(plan, row, column, 0.0) for row, column in best]
 
 
-def anywhere(plan: FloorPlan, seed: int, count: int = MOST_ROBOTS) -> List[Start]:
+def anywhere(plan: FloorPlan, seed: int, radius: float, count: int = MOST_ROBOTS) -> List[Start]:
     """Starts all over the plan, in any heading (rad, a whole number of degrees), 2 m apart or as far as there is room.
-    ValueError if the plan has no room for `count` robots."""
-    spots = np.argwhere(_standing(plan))
-    for apart in APART_M:
+    `radius`: m, from the middle of a robot to its farthest corner. ValueError if the plan has no room for `count`
+    robots."""
+    spots = np.argwhere(_standing(plan, radius))
+    nearest = _step(radius, ABREAST_M)
+    for apart in (*APART_M, nearest):
         random = np.random.Generator(np.random.PCG64([_STREAM, 1, seed]))
         chosen = _scattered(random, spots, apart / plan.resolution, count)
         if len(chosen) == count:
             return [_pose(plan, row, column, math.radians(int(random.integers(-179, 181)))) for row, column in chosen]
-    raise ValueError(f"this plan has no room for {count} robots {APART_M[-1]:g} m apart")
+    raise ValueError(f"this plan has no room for {count} robots {nearest:g} m apart")
 
 
 def _scattered(random: np.random.Generator, spots: np.ndarray, apart: float, count: int) -> List[Tuple[int, int]]:
@@ -64,8 +68,14 @@ def _scattered(random: np.random.Generator, spots: np.ndarray, apart: float, cou
     return chosen
 
 
-def _standing(plan: FloorPlan) -> np.ndarray:
-    standing: np.ndarray = reachable(plan.walls) & places(plan.walls, _STAND_CELLS)
+def _step(radius: float, left: float) -> float:
+    """m from the middle of a robot to that of the next one."""
+    return round(2.0 * radius + left, 3)
+
+
+def _standing(plan: FloorPlan, radius: float) -> np.ndarray:
+    cells = round((radius + _STAND_M) / plan.resolution)
+    standing: np.ndarray = reachable(plan.walls) & places(plan.walls, cells)
     return standing
 
 

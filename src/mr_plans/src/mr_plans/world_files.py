@@ -41,10 +41,11 @@ class WorldFiles(NamedTuple):
     text: str
 
 
-def world_files(name: WorldName) -> WorldFiles:
-    """The same for the same name. ValueError if the world holds no sixteen robots."""
+def world_files(name: WorldName, radius: float) -> WorldFiles:
+    """The same for the same name. `radius`: m, of the robot of `pioneer.inc`, from its middle to its farthest corner.
+    ValueError if the world holds no sixteen robots."""
     plan = world_plan(name.kind, name.seed, name.size)
-    starts = (anywhere if name.anywhere else side_by_side)(plan, name.seed)
+    starts = (anywhere if name.anywhere else side_by_side)(plan, name.seed, radius)
     return WorldFiles(name.stem, picture_of(plan), _text(name, plan, starts))
 
 

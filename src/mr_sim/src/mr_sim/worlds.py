@@ -13,9 +13,12 @@ from mr_grid import Pose
 from mr_measures.reference import reference_path
 from mr_plans.names import FORM, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
+from mr_robot.platforms.parameters import largest_radius
 from mr_sim.map_world import is_map, map_world_files
+from mr_sim.simulated_platform import platform_of
 from mr_sim.world_description import WorldDescription
 from mr_sim.world_folders import world_folders
+from mr_sim.world_model import load_world
 from mr_sim.world_words import nearest
 
 GENERATED = Path("out/worlds")
@@ -126,7 +129,17 @@ def _write(files: WorldFiles, folder: Path) -> Path:
 
 @lru_cache(maxsize=8)
 def _drawn(name: str) -> WorldFiles:
-    return world_files(parse_name(name))
+    return world_files(parse_name(name), generated_radius())
+
+
+@lru_cache(maxsize=1)
+def generated_radius() -> float:
+    """m, of the robots of generated worlds, as their model says."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / ROBOT).write_bytes(_robot())
+        world = Path(folder) / "robot.world"
+        world.write_text(f'include "{ROBOT}"\n{Path(ROBOT).stem} ( )\n')
+        return largest_radius([platform_of(robot) for robot in load_world(world).robots])
 
 
 def _robot() -> bytes:

@@ -16,11 +16,13 @@ from explorer.agent import ExplorerAgent
 from explorer.foreign import Key
 from explorer.geometry import distance
 from explorer.messages import Auction, Bid, SendAuction, SendFrontiers, SetGoal
-from explorer.options import Options
+from explorer.options import load
 from mr_experiments.bench.rows import Row, exit_code, printed, row_of, write_rows
 from mr_experiments.bench.scripted_team import ScriptedTeam
+from mr_experiments.trial.trial_world import description_of
 
 KIND, SEED, SIZE, ROBOTS = "office", 7, (100.0, 100.0), 8
+WORLD = "office26x15"  # whose first robot all are
 MEDIAN_BAR, WORST_BAR = 60.0, 200.0  # ms
 MAP_PERIOD, TICK, SPEED = 2.0, 0.2, 0.5  # s, s, m/s
 SHARES = (0.15, 0.4, 0.65)  # of the cells known when a stage begins
@@ -35,7 +37,7 @@ class Bench:
     def __init__(self, team: ScriptedTeam, strategy: int) -> None:
         self._team = team
         self._names = [f"robot_{number}" for number in range(len(team.poses))]
-        self._agent = ExplorerAgent(Options(frontier_selection=strategy, robot_name=self._names[0]))
+        self._agent = ExplorerAgent(load({"frontier_selection": strategy}, host_name=self._names[0]))
         self._places: dict[Key, tuple[float, float]] = {}
         self._now = 100.0
         self.first: list[float] = []
@@ -113,7 +115,7 @@ def row(what: str, bar: float, times: Sequence[float], value: float, detail: str
 
 def rows(maps: int, strategy: int) -> list[Row]:
     """`maps`: of each stage."""
-    team = ScriptedTeam(KIND, SEED, SIZE, ROBOTS)
+    team = ScriptedTeam(KIND, SEED, SIZE, ROBOTS, description_of(WORLD).robots[0])
     bench = Bench(team, strategy)
     shares = []
     gc.disable()  # its pauses depend on what else is in memory

@@ -10,15 +10,17 @@ import numpy as np
 
 from explorer.grid import OccupancyMap
 from explorer.travel import TravelGrid
+from explorer.ways import COMFORT
 from mr_grid import GridInfo, Pose
 from mr_plans import anywhere, world_plan
+from mr_robot.platforms.parameters import explorer_parameters, largest_radius
 from mr_sim import _world
+from mr_sim.simulated_platform import platform_of
+from mr_sim.world_description import RobotDescription
 
 BEAMS = 181  # that bound the visible area
-RANGE, FIELD_OF_VIEW = 8.0, math.radians(270.0)  # m, rad, of a Pioneer's laser
 BEHIND = 0.08  # m behind where a beam ends that are seen, which is the wall itself
 APART = 6.0  # m that targets keep from those of other robots where they can
-RADIUS, COMFORT = 0.25, 0.6  # m, that paths keep from walls
 
 
 @dataclass
@@ -31,15 +33,18 @@ class ScriptedTeam:
     """Perfect maps of `robots` that drive through a plan of `mr_plans`, each to the nearest ground that nobody has
     seen, from starts all over the place. The map frame is the world's."""
 
-    def __init__(self, kind: str, seed: int, size: tuple[float, float], robots: int) -> None:
-        plan = world_plan(kind, seed, size)
+    def __init__(self, kind: str, seed: int, size: tuple[float, float], robots: int, robot: RobotDescription) -> None:
+        """`robot`: what all of them are."""
+        plan, platform = world_plan(kind, seed, size), platform_of(robot)
+        self._ranger = robot.rangers[robot.main_ranger]
+        radius = explorer_parameters(platform, (platform,))["inflation_radius"]
         rows, columns = plan.walls.shape
         self.info = GridInfo(columns, rows, plan.resolution)
         self._truth = np.where(plan.walls, np.int8(100), np.int8(0))
         self._seen = np.zeros(plan.walls.shape, dtype=np.uint8)
         self._raster = _world.Raster(plan.walls.astype(np.uint8), plan.resolution, (0.0, 0.0))
-        self._grid = TravelGrid(OccupancyMap(self.info, self._truth), RADIUS, COMFORT)
-        self._drivers = [_Driver(Pose(*start)) for start in anywhere(plan, seed, robots)]
+        self._grid = TravelGrid(OccupancyMap(self.info, self._truth), radius, radius + COMFORT)
+        self._drivers = [_Driver(Pose(*start)) for start in anywhere(plan, seed, largest_radius((platform,)), robots)]
         for driver in self._drivers:
             self._look(driver.pose)
 
@@ -92,9 +97,10 @@ class ScriptedTeam:
         return costs.path_to(*places[int(np.argmin(ways))].tolist())[1:]
 
     def _look(self, pose: Pose) -> None:
-        angles = pose.yaw + np.linspace(-0.5 * FIELD_OF_VIEW, 0.5 * FIELD_OF_VIEW, BEAMS)
-        lengths = self._raster.cast((pose.x, pose.y), angles, RANGE)
-        reach = np.where(lengths < RANGE, lengths + BEHIND, lengths)[:, None]
+        view, farthest = self._ranger.field_of_view, self._ranger.range_max
+        angles = pose.yaw + np.linspace(-0.5 * view, 0.5 * view, BEAMS)
+        lengths = self._raster.cast((pose.x, pose.y), angles, farthest)
+        reach = np.where(lengths < farthest, lengths + BEHIND, lengths)[:, None]
         ends = np.array((pose.x, pose.y)) + reach * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         area = np.concatenate([[(pose.x, pose.y)], ends])
         cv2.fillPoly(self._seen, [np.floor(area / self.info.resolution).astype(np.int32)], 1)
