@@ -17,6 +17,7 @@ from mr_experiments.host.mission import Mission
 from mr_experiments.trial.scenario import load_scenario
 from mr_experiments.trial.trial import Trial
 from mr_grid import OccupancyGrid, Pose
+from mr_robot.platforms.engines import defaults_of
 from mr_robot.slam.engine import LaserScan, SlamError, SlamOptions, SlamUpdate
 from mr_sim.scan_log import ScanLog
 from mr_sim.slam_evaluation import Evaluation
@@ -51,7 +52,7 @@ def test_slam_runs_on_a_log_as_it_runs_on_its_robot(scenario: str, free_range: f
     (robot,) = Mission(trial).robots
     options = slam_logs.slam_of(log_of(trial.world)).options
     assert options == robot.body.slam.options
-    assert options.free_range == free_range != SlamOptions().free_range
+    assert options.free_range == free_range != defaults_of(SlamOptions)["free_range"]
 
 
 def killed() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from map_merger.exchange import bounds
-from map_merger.options import Options as MergerOptions
+from map_merger.options import options_of
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.fast.fast_body import FastBody
@@ -26,6 +26,7 @@ from mr_measures.record.robot_record import Contacts
 from mr_measures.true_map import TrueMap
 from mr_measures.truth import Truth
 from mr_robot.navigation.options import NavigationOptions
+from mr_robot.platforms.engines import defaults_of
 from mr_sim.true_world import occupancy_of, true_world_of
 
 
@@ -53,11 +54,15 @@ def world():
     return world_of(Trial("small8x8", 1, 1))
 
 
+def navigation_with(**options):
+    return NavigationOptions(**{**defaults_of(NavigationOptions), **options})
+
+
 def body_in(world, field_of_view=None, **options):
     start, ranger = world.pose(0), world.robots[0].rangers[0]
     ranger = replace(ranger, field_of_view=field_of_view or ranger.field_of_view)
     sight = TeamSight({"robot_0": start})
-    body = FastBody("robot_0", start, ranger, NavigationOptions(**options), world.visible, sight, Stopwatch())
+    body = FastBody("robot_0", start, ranger, navigation_with(**options), world.visible, sight, Stopwatch())
     body.look()
     return body
 
@@ -115,7 +120,7 @@ def test_robot_that_sees_little_looks_around_before_it_drives(world):
 
 
 def test_wheels_keep_to_what_the_drive_can_do():
-    options = NavigationOptions()
+    options = navigation_with()
     wheels = Wheels(options)
     yaw, before, last = 0.0, (0.0, 0.0), 0.0
     for step in range(60):
@@ -208,7 +213,8 @@ class Pair:
 
     def _merger(self, world, name, options):
         published = self.published if name == "robot_0" else Published()
-        given = MergerOptions(name, seconds_send_timer=2, seconds_pub_timer=2, seconds_send_position=1, **options)
+        periods = {"seconds_send_timer": 2, "seconds_pub_timer": 2, "seconds_send_position": 1}
+        given = options_of({**periods, **options}, name)
         return PerfectMerger(given, TrueMap(occupancy_of(world.visible), self.starts[name]), self.sight, self.agenda,
                              Stopwatch(), published, lambda: self.now)  # fmt: skip
 

@@ -8,7 +8,7 @@ from typing import Iterator
 import numpy as np
 from scipy import ndimage
 
-from map_merger.options import Options
+from map_merger.options import options_of
 from map_merger.transform import displacement
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
@@ -16,7 +16,9 @@ from mr_experiments.host.fast.perfect_radio import PerfectRadio
 from mr_experiments.host.merging import Merger
 from mr_experiments.host.robot_radio import RobotRadio
 from mr_grid import OCCUPIED, OccupancyGrid, Pose
+from mr_robot.platforms.engines import defaults_of
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, Slam
+from mr_robot.slam.options import SlamOptions
 from mr_sim import _world
 
 RESOLUTION = 0.05  # m
@@ -67,10 +69,10 @@ class Robot:
         self.name, self.start, self.pose, self._way, self._error = name, way[0], way[0], way, error
         self.global_map: OccupancyGrid | None = None
         self.notes: list[str] = []
-        self.slam = Slam()
+        self.slam = Slam(SlamOptions(**defaults_of(SlamOptions)))
         self._random, self._team = np.random.default_rng(seed), team
         self._odometry, self._revision, self._map_at = Pose(), 0, -math.inf
-        stopwatch, options = Stopwatch(), Options(name, exchange_position=True, debug=False)
+        stopwatch, options = Stopwatch(), options_of({"exchange_position": True, "debug": False}, name)
         radio = RobotRadio(team.radio, stopwatch)
         self.merger = Merger(options, (1, seed), team.agenda, radio, stopwatch, self, lambda: team.now)
         radio.index = team.radio.add(name, self, self.start)

@@ -5,7 +5,7 @@ import pytest
 
 from map_merger import ros_io
 from map_merger.messages import Tile
-from map_merger.options import Options
+from map_merger.options import options_of
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.merging import Merger
@@ -38,7 +38,7 @@ def host():
     """A merger, its radio, and a function that lets time go by."""
     radio, agenda, clock = SlowRadio(), Agenda(), [0.0]
     stopwatch = Stopwatch()
-    options = Options("robot_0", exchange_position=True, split_size=20, debug=False)
+    options = options_of({"exchange_position": True, "split_size": 20, "debug": False}, "robot_0")
     merger = Merger(options, (1, 0), agenda, RobotRadio(radio, stopwatch), stopwatch, Silent(), lambda: clock[0])
     merger.start(0.0)
 

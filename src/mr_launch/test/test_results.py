@@ -102,7 +102,7 @@ def test_picture_is_written_even_without_known_cells(tmp_path):
     empty = OccupancyGrid.of(np.full((2, 2), -1, np.int8), 0.05)
     for number, map_ in enumerate((grid(), empty)):
         path = tmp_path / f"{number}.png"
-        draw_mission(map_, Pose(0.0, 0.0, 0.0), truth.tracks, "title", path)
+        draw_mission(map_, Pose(0.0, 0.0, 0.0), truth.tracks, "title", path, dict.fromkeys(truth.tracks, (0.5, 0.4)))
         assert cv2.imread(str(path)).shape[0] > 100
 
 

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from explorer.names import names_for
-from explorer.options import Options
+from explorer.options import load
 
 FILES = sorted((Path(__file__).resolve().parents[1] / "rviz").glob("*.rviz"))
 OTHERS = {  # of the nodes of robot.launch and its drivers
@@ -17,7 +17,7 @@ OTHERS = {  # of the nodes of robot.launch and its drivers
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_topics_are_published(file):
     published = {
-        f"/{name}".replace("/~", "/explorer/") for name in names_for(Options(robot_name="robot_0")).published.values()
+        f"/{name}".replace("/~", "/explorer/") for name in names_for(load({}, host_name="robot_0")).published.values()
     }
     displays = yaml.safe_load(file.read_text(encoding="utf-8"))["Visualization Manager"]["Displays"]
     topics = {display[key] for display in displays for key in ("Topic", "Marker Topic") if key in display}

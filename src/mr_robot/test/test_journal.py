@@ -10,11 +10,12 @@ import pytest
 import rospkg
 import rospy
 from test_slam_node import scan
+from usual_robot import slam_with
 
 from mr_grid import Pose
 from mr_grid.ros_laser import Mount
 from mr_robot.slam import journal as module
-from mr_robot.slam.engine import OdometryHistory, Slam
+from mr_robot.slam.engine import OdometryHistory
 from mr_robot.slam.journal import JournalError, MapJournal
 from mr_robot.slam.keeper import MapKeeper
 from mr_robot.slam.ros_io import scan_value
@@ -75,7 +76,7 @@ class Node:
     """What the node does with a keeper. The robot drives ahead at 0.5 m/s."""
 
     def __init__(self) -> None:
-        self.slam, self.history = Slam(), OdometryHistory()
+        self.slam, self.history = slam_with(), OdometryHistory()
         self.keeper = MapKeeper(self.slam, self.history)
 
     def drive(self, steps: range, driver: Callable[[float], Pose] = lambda x: Pose(x, 0.0, 0.0)) -> None:

@@ -6,13 +6,13 @@ from typing import Any, List
 import numpy as np
 import pytest
 import rospy
+from usual_robot import navigation_with
 
 from mr_grid import GridInfo, OccupancyGrid, Pose
 from mr_grid.map_frame import MapRuns, NewFrame
 from mr_grid.ros import grid_message
 from mr_robot.navigation.engine import Navigator
 from mr_robot.navigation.node import MoveBaseNode
-from mr_robot.navigation.options import NavigationOptions
 from mr_robot.parameter_names import FRAMES
 
 RUN, NEXT_RUN = (1_700_000_000, 5), (1_700_000_900, 5)
@@ -44,7 +44,7 @@ class Command:
 @pytest.fixture
 def node() -> MoveBaseNode:
     made = MoveBaseNode.__new__(MoveBaseNode)
-    made._navigator = Navigator(NavigationOptions(max_linear_velocity=0.3), "robot_7")
+    made._navigator = Navigator(navigation_with(max_linear_velocity=0.3), "robot_7")
     made._frames, made._lock, made._runs, made._unnamed = FRAMES, threading.RLock(), MapRuns(), None
     made._server, made._command, made._moving = Server(), Command(), True
     made._navigator.set_goal(Pose(1.0, 0.0, 0.0), 100.0)

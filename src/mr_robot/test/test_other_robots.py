@@ -5,9 +5,10 @@ from typing import Tuple
 
 import numpy as np
 import pytest
+from usual_robot import navigation_with
 
 from mr_grid import Pose
-from mr_robot.navigation.options import STANDING, NavigationOptions, make_scan
+from mr_robot.navigation.options import STANDING, make_scan
 from mr_robot.navigation.other_robots import OtherRobots
 
 HERE = Pose(1.0, 2.0, 0.0)
@@ -18,7 +19,7 @@ SCAN = make_scan(np.full(101, math.inf), -0.5 * VIEW, VIEW / 100, 0.45, 4.0, Pos
 
 def robots(own: str, *reports: Tuple[Tuple[float, float], float]) -> OtherRobots:
     """`reports`: place (m, map frame) of robot_1 and when it came, s."""
-    others = OtherRobots(NavigationOptions(), own)
+    others = OtherRobots(navigation_with(), own)
     for place, at in reports:
         others.hear({"robot_1": place}, at)
     return others
@@ -75,7 +76,7 @@ def test_old_positions_and_such_of_the_future_tell_nothing_about_motion() -> Non
 
 def test_others_pass_nearer_to_robots_at_rest_than_to_such_that_may_move() -> None:
     """Between three robots that were home there was no way for the fourth: it stayed 2 m away."""
-    options = NavigationOptions()
+    options = navigation_with()
     others = robots("robot_2", (BESIDE, 0.0), (BESIDE, 5.0), ((BESIDE[0], BESIDE[1] + 0.02), 9.0))
     moving = [options.moving_margin, options.moving_reaction_time]
     rows = np.array([[1.2, 3.0, *moving], [2.0, 2.0, *moving]])

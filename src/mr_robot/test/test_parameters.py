@@ -2,7 +2,7 @@
 
 import re
 import subprocess
-from dataclasses import fields, replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +11,7 @@ import yaml
 from mr_robot.navigation.options import NavigationOptions
 from mr_robot.platforms import files
 from mr_robot.platforms.alternatives import check_alternative
+from mr_robot.platforms.engines import defaults_of
 from mr_robot.platforms.files import main, parameters_of
 from mr_robot.platforms.parameters import explorer_parameters, merger_parameters, navigation_parameters, slam_parameters
 from mr_robot.platforms.platform import Footprint, PlatformError
@@ -31,11 +32,22 @@ def of_engine(options, parameters):
     return options(**{field.name: parameters[field.name] for field in fields(options) if field.name in parameters})
 
 
-def test_the_defaults_of_the_engines_are_those_of_a_pioneer():
-    team = (PIONEER,)
-    slam = of_engine(SlamOptions, slam_parameters(PIONEER, team))
-    assert slam == SlamOptions(free_range=PIONEER.sensor.range_max)
-    assert of_engine(NavigationOptions, navigation_parameters(PIONEER, team)) == NavigationOptions()
+@pytest.mark.parametrize("options", [SlamOptions, NavigationOptions])
+def test_a_node_that_is_told_nothing_drives_a_pioneer(options):
+    parameters = {**slam_parameters(PIONEER, (PIONEER,)), **navigation_parameters(PIONEER, (PIONEER,))}
+    told = {field.name for field in fields(options) if field.default is MISSING}
+    defaults = defaults_of(options)
+    assert {name: defaults[name] for name in told} == {name: parameters[name] for name in told}
+    assert options(**defaults) == options(**{name: defaults[name] for name in told})
+
+
+@pytest.mark.parametrize("options", [SlamOptions, NavigationOptions])
+def test_the_documentation_has_the_defaults_of_the_nodes(options):
+    documented = {}
+    for names, values in re.findall(r"^\| ((?:`~\w+`(?:, )?)+) \| ([^|]+) \|", DOCUMENTATION, re.M):
+        documented.update(zip(re.findall(r"\w+", names), values.split(", ")))
+    shown = {name: yaml.safe_load(value.strip()) for name, value in documented.items()}
+    assert {name: shown[name] for name in defaults_of(options)} == defaults_of(options)
 
 
 def test_parameters_of_a_pioneer():
@@ -69,7 +81,7 @@ def test_the_largest_robot_of_the_team_counts_wherever_others_are_looked_at():
     assert set(mixed["move_base"]) - set(same) == {"largest_robot_radius"}
 
 
-@pytest.mark.parametrize(("range_max", "free"), [(8.0, 8.0), (100.0, SlamOptions().free_range)])
+@pytest.mark.parametrize(("range_max", "free"), [(8.0, 8.0), (100.0, defaults_of(SlamOptions)["free_range"])])
 def test_a_beam_frees_no_more_than_the_sensor_sees_nor_than_slam_takes(range_max, free):
     robot = replace(PIONEER, sensor=replace(PIONEER.sensor, range_max=range_max))
     assert slam_parameters(robot, (robot,))["free_range"] == free

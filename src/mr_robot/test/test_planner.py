@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from usual_robot import navigation_with
 
 from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
 from mr_robot.navigation.driven import DrivenGround
-from mr_robot.navigation.options import NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, path, plan, without_robots
 
-OPTIONS = NavigationOptions()
+OPTIONS = navigation_with()
 RADIUS = OPTIONS.largest_robot_radius
 SIZE = 60  # cells
 
@@ -186,7 +186,7 @@ def test_a_way_that_the_robot_came_is_one_however_near_the_walls_are_drawn() -> 
     cells = np.full((60, 60), 100, np.int8)
     cells[10:50, 26:36] = 0
     cells[30, 32:36] = 100
-    grid, options = OccupancyGrid.of(cells, 0.05), NavigationOptions()
+    grid, options = OccupancyGrid.of(cells, 0.05), navigation_with()
     driven = DrivenGround()
     inside, out = (1.45, 0.9), (1.45, 2.2)
 
@@ -208,7 +208,7 @@ def test_unknown_is_no_ground_unless_allowed() -> None:
     grid = OccupancyGrid.of(cells, 0.05)
     start, goal = Pose(0.5, 1.5, 0.0), (2.5, 1.5)
     assert plan(CostMap(grid, OPTIONS), np.empty((0, 2)), start, goal, 0.3) is None
-    assert plan(CostMap(grid, NavigationOptions(allow_unknown=True)), np.empty((0, 2)), start, goal, 0.3) is not None
+    assert plan(CostMap(grid, navigation_with(allow_unknown=True)), np.empty((0, 2)), start, goal, 0.3) is not None
 
 
 def two_rooms() -> np.ndarray:
@@ -249,7 +249,7 @@ def test_a_map_without_traces_of_robots_is_not_copied() -> None:
 
 
 def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
-    large = NavigationOptions(footprint_length=0.9, footprint_width=0.7, inflation_radius=0.8, largest_robot_radius=0.6)
+    large = navigation_with(footprint_length=0.9, footprint_width=0.7, inflation_radius=0.8, largest_robot_radius=0.6)
     assert OPTIONS.passing_distance == 0.781 and OPTIONS.reach_in(1.1) == 1.266
     assert large.passing_distance == 1.37 and large.reach_in(1.1) == 1.545
     cells = np.zeros((80, 80), np.int8)

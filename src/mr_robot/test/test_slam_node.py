@@ -9,12 +9,13 @@ import rospy
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
+from usual_robot import slam_with
 
 from mr_grid import Pose
 from mr_grid.ros_laser import Mount
 from mr_robot.parameter_names import FRAMES
 from mr_robot.slam import node as module
-from mr_robot.slam.engine import OdometryHistory, Slam, SlamError
+from mr_robot.slam.engine import OdometryHistory, SlamError
 from mr_robot.slam.keeper import MapKeeper
 from mr_robot.slam.node import SlamNode
 
@@ -46,7 +47,7 @@ def said(monkeypatch: pytest.MonkeyPatch) -> List[str]:
 def node(monkeypatch: pytest.MonkeyPatch) -> SlamNode:
     made = SlamNode.__new__(SlamNode)
     made._slam, made._odometry, made._waiting, made._mounts = (
-        Slam(),
+        slam_with(),
         OdometryHistory(),
         deque(maxlen=40),
         {"laser": Mount()},

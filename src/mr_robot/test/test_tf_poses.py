@@ -11,6 +11,7 @@ import rospy
 import tf2_ros
 from geometry_msgs.msg import Quaternion, TransformStamped, Twist
 from sensor_msgs.msg import LaserScan
+from usual_robot import slam_with
 
 from mr_grid import Pose
 from mr_grid.ros import quaternion
@@ -21,7 +22,6 @@ from mr_robot.navigation.tf_poses import TfPoses
 from mr_robot.parameter_names import FRAMES
 from mr_robot.ros_poses import ParameterError, frame_parameters, topic_parameters
 from mr_robot.slam import ros_io as slam_io
-from mr_robot.slam.engine import Slam
 from mr_robot.slam.node import SlamNode
 
 MOUNT = Pose(0.1, 0.05, 0.3)
@@ -149,7 +149,7 @@ def test_a_laser_that_hangs_upside_down_sees_on_its_left_what_is_there() -> None
     points = navigation_io.scan_value(seen_upside_down(0.0), navigation).points
     near = points[np.hypot(points[:, 0], points[:, 1]) < 1.05]
     assert len(near) and near[:, 1] == pytest.approx(1.0, abs=1e-6)
-    engine = Slam()
+    engine = slam_with()
     for step in range(40):
         yaw = 0.05 * step
         scan = slam_io.scan_value(seen_upside_down(yaw), slam)

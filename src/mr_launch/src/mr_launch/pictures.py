@@ -19,7 +19,6 @@ from mr_launch.truth import Track
 
 COLOURS = ("#d62728", "#1f77b4", "#2ca02c", "#ff9f1c", "#9467bd", "#17becf", "#8c564b", "#e377c2")
 ROBOT = np.array([(-0.5, -0.5), (0.27, -0.5), (0.5, 0.0), (0.27, 0.5), (-0.5, 0.5)])  # of length and width, nose ahead
-SIZE = (0.44, 0.38)  # m, length and width of a robot of which nothing is known
 UNKNOWN, FREE, OCCUPIED = (0.90, 0.91, 0.93, 1.0), (1.0, 1.0, 1.0, 1.0), (0.13, 0.15, 0.19, 1.0)
 
 
@@ -50,8 +49,8 @@ def draw_mission(
     tracks: Mapping[str, Track],
     title: str,
     path: Path,
+    sizes: Mapping[str, tuple[float, float]],
     start: float = 0.0,
-    sizes: Mapping[str, tuple[float, float]] | None = None,
 ) -> None:
     """Write a PNG.
 
@@ -77,7 +76,7 @@ def draw_mission(
         transform=to_world + axes.transData,
     )
     for index, (name, track) in enumerate(tracks.items()):
-        draw_track(axes, name, track, start, COLOURS[index % len(COLOURS)], (sizes or {}).get(name, SIZE))
+        draw_track(axes, name, track, start, COLOURS[index % len(COLOURS)], sizes[name])
     axes.set_xlim(left - 0.3, right + 0.3)
     axes.set_ylim(bottom - 0.3, top + 0.3)
     axes.set_aspect("equal")

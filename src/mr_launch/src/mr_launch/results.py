@@ -108,15 +108,19 @@ def draw(plan: Plan, outcome: Outcome, grids: Mapping[str, OccupancyGrid], recor
     count = f"{len(plan.robots)} robot{'s' * (len(plan.robots) != 1)}"
     title = f"{Path(plan.world).stem}: {count}, {done}; global map of {best.name}"
     path = Path(plan.out) / "team.png"
-    draw_mission(grids[best.name], best.start, truth.tracks, title, path, outcome.start, sizes_of(plan))
+    draw_mission(grids[best.name], best.start, truth.tracks, title, path, sizes_of(plan), outcome.start)
 
 
 def sizes_of(plan: Plan) -> dict[str, tuple[float, float]]:
-    """Length and width in m of each robot whose preset was made from the world."""
+    """Length and width in m of each robot: of the preset made from the world, or of the usual one."""
+    from mr_robot.platforms.engines import USUAL
     from mr_robot.platforms.preset import load_platform
 
-    files = {robot.name: Path(plan.preset_file(robot.preset)) for robot in plan.robots if robot.preset in plan.presets}
-    known = {name: load_platform(str(path)).footprint for name, path in files.items()}
+    files = {
+        robot.name: str(plan.preset_file(robot.preset)) if robot.preset in plan.presets else USUAL
+        for robot in plan.robots
+    }
+    known = {name: load_platform(preset).footprint for name, preset in files.items()}
     return {name: (footprint.length, footprint.width) for name, footprint in known.items()}
 
 

@@ -5,17 +5,22 @@ import numpy as np
 _Pose = tuple[float, float, float]
 
 class SlamOptions:
-    resolution: float
-    search_window: float
-    surface_deviation: float
-    match_distance: float
-    match_angle: float
-    insert_distance: float
-    insert_angle: float
-    insert_interval: float
-    surface_window: float
-    free_range: float
-    def __init__(self) -> None: ...
+    def __init__(
+        self,
+        *,
+        surface_deviation: float,
+        free_radius: float,
+        small_object_size: float,
+        resolution: float,
+        match_distance: float,
+        match_angle: float,
+        insert_distance: float,
+        insert_angle: float,
+        insert_interval: float,
+        search_window: float,
+        surface_window: float,
+        free_range: float,
+    ) -> None: ...
 
 class SquareWalls:
     def __init__(self) -> None: ...
@@ -27,11 +32,18 @@ class SquareWalls:
         range_min: float,
         range_max: float,
         yaw: float,
+        small_object_size: float,
     ) -> None: ...
     def direction(self) -> float | None: ...
 
 def edges(
-    ranges: np.ndarray, mount: _Pose, angle_min: float, angle_increment: float, range_min: float, range_max: float
+    ranges: np.ndarray,
+    mount: _Pose,
+    angle_min: float,
+    angle_increment: float,
+    range_min: float,
+    range_max: float,
+    small_object_size: float,
 ) -> np.ndarray: ...
 
 class PoseGraph:

@@ -4,14 +4,17 @@ benchmark sets. Teams that explore run in `mr_experiments.host.mission`."""
 import math
 import time
 from dataclasses import dataclass, field
-from typing import Callable, Dict, List, Optional, Tuple, Union
+from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose, normalized
 from mr_robot.navigation.engine import Command, Navigator, Status
-from mr_robot.navigation.options import NavigationOptions, make_scan
+from mr_robot.navigation.options import make_scan
+from mr_robot.platforms.engines import navigation_options, slam_options
+from mr_robot.platforms.parameters import kinds_of
 from mr_robot.slam.engine import LaserScan, Slam
+from mr_sim.simulated_platform import platform_of
 from mr_sim.world import World
 from mr_sim.world_description import WorldDescription
 from mr_sim.world_model import load_world
@@ -43,15 +46,21 @@ class Robot:
 class ClosedLoop:
     """Steps the world; scans go to SLAM, its pose and map to navigation, the commands back."""
 
-    def __init__(
-        self, world: Union[str, WorldDescription], robots: int, seed: int, options: Optional[NavigationOptions] = None
-    ) -> None:
-        """`world`: a description, or what `find_world` knows."""
+    def __init__(self, world: Union[str, WorldDescription], robots: int, seed: int, **navigation: Any) -> None:
+        """`world`: a description, or what `find_world` knows; its robots are what their models say. `navigation`:
+        options in place of those that follow from that. Raises PlatformError for a robot that cannot explore."""
         description = load_world(find_world(world)) if isinstance(world, str) else world
         self.world = World(description, robots=robots, seed=seed)
+        platforms = [platform_of(robot) for robot in self.world.robots]
+        team = kinds_of(platforms)
         self.robots = [
-            Robot(i, self.world.pose(i), Slam(), Navigator(options, name, seed))
-            for i, name in enumerate(self.world.names)
+            Robot(
+                i,
+                self.world.pose(i),
+                Slam(slam_options(platform, team)),
+                Navigator(navigation_options(platform, team, **navigation), name, seed),
+            )
+            for i, (name, platform) in enumerate(zip(self.world.names, platforms))
         ]
         self.on_scan: Optional[Callable[[Robot, Pose], None]] = None
         # The map to plan on, from the own one.

@@ -6,6 +6,8 @@ from mr_robot.platforms.platform import Drive, Footprint, Mount, Platform, Platf
 from mr_sim.world_description import RangerDescription, RobotDescription
 
 FEWEST_BEAMS = 3  # of a scan that SLAM and navigation can use
+# m/s^2, rad/s^2 with which any robot is driven: the simulated ones have no bounds, as in Stage.
+LINEAR_ACCELERATION, ANGULAR_ACCELERATION = 1.0, 3.14
 
 
 def platform_of(robot: RobotDescription) -> Platform:
@@ -22,7 +24,7 @@ def platform_of(robot: RobotDescription) -> Platform:
     return Platform(
         _footprint(robot),
         _sensor(robot.rangers[robot.main_ranger]),
-        Drive(linear, _rounded_down(angular)),
+        Drive(linear, _rounded_down(angular), LINEAR_ACCELERATION, ANGULAR_ACCELERATION),
         topics=Topics(scan),
         mount=_mount(robot),
     )

@@ -1,13 +1,12 @@
 """How well SLAM does on a log of scans whose truth is known."""
 
-import math
 import time
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from mr_grid import OccupancyGrid, Pose
+from mr_grid import OccupancyGrid, Pose, normalized
 from mr_measures.figures import coverage, wrong_walls
 from mr_measures.truth import Truth
 from mr_robot.slam.engine import LaserScan, SlamUpdate
@@ -56,7 +55,7 @@ def evaluate(log: ScanLog, truth: Truth, slam: Engine) -> Evaluation:
         matched.append(update.matched)
     found = np.array(poses)
     errors = np.hypot(*(found[:, :2] - start.apply_inverse(log.truth[:, :2])).T)
-    headings = np.abs([math.remainder(yaw, 2.0 * math.pi) for yaw in found[:, 2] - (log.truth[:, 2] - start.yaw)])
+    headings = np.abs([normalized(yaw) for yaw in found[:, 2] - (log.truth[:, 2] - start.yaw)])
     occupancy = slam.map()
     return Evaluation(
         float(errors.mean()), float(np.quantile(errors, 0.95)), float(errors[-1]), errors[loop_ends(log.truth[:, :2])],

@@ -38,7 +38,7 @@ def scan(walls: np.ndarray, pose: tuple[float, float, float], generator: np.rand
 
 def seen_from(walls: np.ndarray, pose: tuple[float, float, float], generator: np.random.Generator) -> np.ndarray:
     ranges = scan(walls, pose, generator)
-    return edges(ranges, (0.0, 0.0, 0.0), -VIEW / 2, VIEW / (BEAMS - 1), 0.45, RANGE_MAX)
+    return edges(ranges, (0.0, 0.0, 0.0), -VIEW / 2, VIEW / (BEAMS - 1), 0.45, RANGE_MAX, 0.7)
 
 
 def on_map(rows: np.ndarray, pose: tuple[float, float, float]) -> np.ndarray:

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from usual_robot import navigation_with
 
 from mr_robot import _navigation
-from mr_robot.navigation.options import NavigationOptions
 from mr_sim import bench_navigation_peers
 from mr_sim.bench_navigation_peers import EngineRun, rows
 from mr_sim.nuisance import mrpt_follower
@@ -82,7 +82,7 @@ def test_each_engine_has_its_rows() -> None:
 
 
 def test_the_robot_is_in_the_settings_of_mrpt() -> None:
-    text = settings(NavigationOptions(footprint_length=0.6), "folder")
+    text = settings(navigation_with(footprint_length=0.6), "folder")
     assert "RobotModel_shape2D_xs = -0.32 0.32 0.32 -0.32" in text and "PTG_COUNT = 4" in text and "{a}" not in text
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from usual_robot import navigation_with
 
 from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
@@ -19,13 +20,15 @@ from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.manoeuvre import Manoeuvre
 from mr_robot.navigation.motion import STOP, Motion, bare
 from mr_robot.navigation.obstacles import ObstacleMemory
-from mr_robot.navigation.options import AT_REST, STANDING, NavigationError, NavigationOptions, Scan, make_scan
+from mr_robot.navigation.options import AT_REST, STANDING, NavigationError, Scan, make_scan
 from mr_robot.navigation.planner import CostMap, Plan, path, plan
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Hazards, Surroundings
 from mr_robot.navigation.yielding import HeldUp, Retreat, find_retreat
+from mr_robot.platforms.engines import navigation_options, slam_options
 from mr_sim.closed_loop import ClosedLoop, Robot
+from mr_sim.simulated_platform import platform_of
 
 EMPTY = make_scan(np.full(541, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
 
@@ -49,7 +52,7 @@ def until_end(navigator: Navigator, pose: Pose, scan: Scan = EMPTY, limit: float
 @pytest.mark.parametrize("ahead, stops", [(0.30, True), (1.0, False)])
 def test_a_robot_whose_goal_ended_brakes_at_once_where_gently_it_would_touch(ahead: float, stops: bool) -> None:
     """It reached its goal at full speed in a bend and touched the wall while it braked."""
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room())
     navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
     pose = Pose(1.0, 2.0, 0.0)
@@ -68,7 +71,7 @@ def test_a_robot_whose_goal_ended_brakes_at_once_where_gently_it_would_touch(ahe
 def test_a_robot_turns_no_sharper_than_it_sees(view: float, radius: float) -> None:
     """Turtlebots drove round bends of 0.3 m into one another: each stood beside what the other saw. `radius`: m, of the
     sharpest bend."""
-    navigator, pose, bends = Navigator(), Pose(1.0, 2.0, 0.0), []
+    navigator, pose, bends = Navigator(navigation_with()), Pose(1.0, 2.0, 0.0), []
     navigator.set_map(room())
     navigator.set_goal(Pose(1.2, 3.4, 0.0), 0.0)
     scan = make_scan(np.full(101, np.inf), -0.5 * view, view / 100, 0.0, 8.0, Pose(0.1, 0.0, 0.0))
@@ -106,7 +109,7 @@ def turned_before_it_drives(navigator: Navigator, scan: Scan, turns: bool = True
 )
 def test_a_robot_that_sees_little_turns_once_before_its_first_goal(view: float, options: dict, least: float) -> None:
     """What the wheels of Turtlebots lost on the first metres shifted all the rest of their maps."""
-    navigator = Navigator(NavigationOptions(**options))
+    navigator = Navigator(navigation_with(**options))
     navigator.set_map(room())
     navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
     assert turned_before_it_drives(navigator, narrow(view)) == pytest.approx(least, abs=0.8)
@@ -116,14 +119,14 @@ def test_a_robot_that_sees_little_turns_once_before_its_first_goal(view: float, 
 
 
 def test_a_robot_that_cannot_turn_does_not_look_around_for_ever() -> None:
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room())
     navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
     assert turned_before_it_drives(navigator, narrow(1.0), turns=False) < 6 * math.pi
 
 
 def test_a_robot_beside_something_that_it_would_touch_does_not_turn() -> None:
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room())
     navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
     bearings = np.linspace(-0.5, 0.5, 101)
@@ -132,7 +135,7 @@ def test_a_robot_beside_something_that_it_would_touch_does_not_turn() -> None:
 
 
 def test_no_way_is_said_within_a_second() -> None:
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room((slice(None), slice(40, 42))))
     navigator.set_goal(Pose(3.0, 2.0, 0.0), 0.0)
     ended, command = until_end(navigator, Pose(1.0, 2.0, 0.0))
@@ -142,7 +145,7 @@ def test_no_way_is_said_within_a_second() -> None:
 
 @pytest.mark.parametrize("goal, text", [((9.0, 2.0, 0.0), "outside the map"), ((2.05, 2.0, 0.0), "in a wall")])
 def test_no_way_says_why(goal: Pose, text: str) -> None:
-    navigator = Navigator(NavigationOptions(goal_search_radius=0.1))
+    navigator = Navigator(navigation_with(goal_search_radius=0.1))
     navigator.set_map(room((slice(None), slice(40, 42))))
     navigator.set_goal(goal, 0.0)
     _, command = until_end(navigator, Pose(1.0, 2.0, 0.0))
@@ -150,7 +153,7 @@ def test_no_way_says_why(goal: Pose, text: str) -> None:
 
 
 def test_missing_input_is_named() -> None:
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_goal(Pose(1.0, 0.0, 0.0), 0.0)
     ended, command = until_end(navigator, Pose(0.0, 0.0, 0.0))
     assert ended <= AT_REST + 1.0 and command.text == "no map for 8 s"
@@ -158,7 +161,7 @@ def test_missing_input_is_named() -> None:
 
 def test_a_scan_that_is_late_ends_no_goal() -> None:
     """One late scan ended each goal that was older than what is allowed for its input."""
-    navigator, pose = Navigator(), Pose(1.0, 2.0, 0.0)
+    navigator, pose = Navigator(navigation_with()), Pose(1.0, 2.0, 0.0)
     navigator.set_map(room())
     navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
     for step in range(100):
@@ -185,9 +188,9 @@ def test_a_scan_that_is_late_ends_no_goal() -> None:
 )
 def test_bad_input_is_refused(call: Callable[[Navigator], None]) -> None:
     with pytest.raises(NavigationError):
-        call(Navigator())
+        call(Navigator(navigation_with()))
     with pytest.raises(NavigationError, match="max_linear_velocity"):
-        NavigationOptions(max_linear_velocity=-1.0)
+        navigation_with(max_linear_velocity=-1.0)
 
 
 @pytest.mark.parametrize(
@@ -207,7 +210,7 @@ def test_a_scan_that_would_leave_the_robot_blind_is_refused(
 
 def test_a_robot_off_the_map_of_its_way_has_no_path() -> None:
     """rviz asked for it, and an exception ended the thread that controls the robot."""
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room())
     navigator.set_goal(Pose(3.0, 2.0, 0.0), 0.0)
     navigator.step(0.1, Pose(0.6, 2.0, 0.0), EMPTY)
@@ -217,7 +220,7 @@ def test_a_robot_off_the_map_of_its_way_has_no_path() -> None:
 @pytest.mark.parametrize("tolerance", [0.01, 0.03, 0.05])
 def test_a_goal_of_any_tolerance_can_be_reached(tolerance: float) -> None:
     """At 0.03 m its radius was 0."""
-    navigator, pose = Navigator(NavigationOptions(xy_goal_tolerance=tolerance)), Pose(1.0, 2.0, 0.0)
+    navigator, pose = Navigator(navigation_with(xy_goal_tolerance=tolerance)), Pose(1.0, 2.0, 0.0)
     navigator.set_map(room())
     navigator.set_goal(Pose(3.0, 2.0, 0.0), 0.0)
     for step in range(150):
@@ -231,7 +234,7 @@ def test_a_goal_of_any_tolerance_can_be_reached(tolerance: float) -> None:
 @pytest.mark.parametrize("value", [1e308, -1e308, 3e5, math.inf, math.nan])
 def test_positions_that_cannot_be_are_ignored(value: float) -> None:
     """A finite but huge position of another robot has no cell: with it every later map was refused by a traceback."""
-    navigator = Navigator(name="robot_0")
+    navigator = Navigator(navigation_with(), name="robot_0")
     assert navigator.set_others({"robot_1": (value, 0.0), "robot_2": (1.0, 1.0)}, 0.0) == ["robot_1"]
     navigator.set_map(room())
     assert navigator.set_others({"robot_1": (0.0, value), "robot_0": (0.0, 0.0)}, 1.0) == ["robot_1"]
@@ -240,7 +243,7 @@ def test_positions_that_cannot_be_are_ignored(value: float) -> None:
 
 
 def test_gentle_start_and_cancel() -> None:
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room())
     navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
     speeds, pose = [0.0], Pose(0.6, 2.0, 0.0)
@@ -309,7 +312,7 @@ def plan_out(
     unknown: Tuple[slice, slice] = (slice(0), slice(0)),
 ) -> np.ndarray:
     """Waypoints from (1, 2, 0) in a room of 4 m x 4 m, rows (x, y, yaw, direction, seconds)."""
-    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), goal, 0.5)
+    way = plan(CostMap(room(), navigation_with()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), goal, 0.5)
     assert way is not None
     start = (1.0, 2.0, 0.0)
     cells = way.grid.cells.copy()
@@ -364,10 +367,10 @@ def nobody() -> np.ndarray:
 def test_away_from_a_jamb_behind_that_the_body_seems_to_touch() -> None:
     """Every plan began with a motion that was not clear, twice a second for the rest of the mission."""
     jamb = np.array([(1.0 - 0.169, 2.0 - 0.185, 0.0, 0.0), (1.0 - 0.218, 2.0 - 0.177, 0.0, 0.0)])
-    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (1.0, 3.0), 0.5)
+    way = plan(CostMap(room(), navigation_with()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (1.0, 3.0), 0.5)
     assert way is not None
-    motion = Motion(NavigationOptions())
-    follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
+    motion = Motion(navigation_with())
+    follower, pose = Follower(motion, navigation_with()), Pose(1.0, 2.0, 0.0)
     for step in range(80):
         motion.velocity = follower.follow(0.1 * step, way, pose, Hazards(jamb, nobody), stuck=True) or STOP
         yaw = pose.yaw + 0.1 * motion.velocity[1]
@@ -385,9 +388,9 @@ def test_who_may_have_followed_is_asked_for_manoeuvres_only() -> None:
         asked.append(True)
         return nobody()
 
-    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (3.0, 2.0), 0.5)
+    way = plan(CostMap(room(), navigation_with()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (3.0, 2.0), 0.5)
     assert way is not None
-    follower, hazards = Follower(Motion(NavigationOptions()), NavigationOptions()), Hazards(np.empty((0, 4)), followers)
+    follower, hazards = Follower(Motion(navigation_with()), navigation_with()), Hazards(np.empty((0, 4)), followers)
     assert follower.follow(0.0, way, Pose(1.0, 2.0, 0.0), hazards, stuck=False) and not asked
     follower.follow(0.1, way, Pose(1.0, 2.0, 0.0), hazards, stuck=True)
     assert asked
@@ -400,10 +403,10 @@ def test_a_manoeuvre_slows_down_where_it_would_turn_too_far() -> None:
     beside = [(1.0 + x, 2.6) for x in np.arange(-0.95, 0.3, 0.02)]
     desk = [(1.0 + x, 1.83 - y) for x in np.arange(-0.58, -0.26, 0.04) for y in (0.0, 0.05, 0.1)]
     obstacles = np.array([*((x, y, 0.05, 0.0) for x, y in ahead + beside), *((x, y, 0.03, 0.0) for x, y in desk)])
-    way = plan(CostMap(room(), NavigationOptions()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (0.2, 2.2), 0.5)
+    way = plan(CostMap(room(), navigation_with()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (0.2, 2.2), 0.5)
     assert way is not None
-    motion = Motion(NavigationOptions())
-    follower, pose = Follower(motion, NavigationOptions()), Pose(1.0, 2.0, 0.0)
+    motion = Motion(navigation_with())
+    follower, pose = Follower(motion, navigation_with()), Pose(1.0, 2.0, 0.0)
     for step in range(150):
         hazards = Hazards(obstacles, nobody)
         motion.velocity = follower.follow(0.1 * step, way, pose, hazards, stuck=step > 20) or STOP
@@ -464,7 +467,7 @@ def test_a_robot_that_stands_along_a_wall_gets_away_from_it(
 def test_a_new_goal_does_not_hide_that_the_robot_is_stuck() -> None:
     """A robot that stood was given another goal every few seconds, and none was old enough for a recovery."""
     # The blind end of a corridor of half a metre, with the goals at its other end.
-    navigator, pose = Navigator(), Pose(1.0, 2.0, 0.0)
+    navigator, pose = Navigator(navigation_with()), Pose(1.0, 2.0, 0.0)
     navigator.set_map(room((slice(44, 46), slice(0, 30), slice(34, 35), slice(0, 30), slice(34, 45), slice(26, 28))))
     commands = []
     for step in range(100):
@@ -489,7 +492,7 @@ def test_a_way_back_where_there_is_no_room_to_turn(draw_world: Callable[..., str
 def test_backwards_not_into_a_robot_that_says_where_it_is() -> None:
     """The laser is blind there: a robot that gave way backed into the one behind it."""
     for others, backs in (({}, True), ({"robot_1": (0.4, 2.0)}, False)):
-        navigator = Navigator(name="robot_0")
+        navigator = Navigator(navigation_with(), name="robot_0")
         navigator.set_map(
             room((slice(44, 46), slice(0, 30), slice(34, 35), slice(0, 30), slice(34, 45), slice(26, 28)))
         )
@@ -503,7 +506,7 @@ def test_backwards_not_into_a_robot_that_says_where_it_is() -> None:
 def test_not_into_a_robot_that_says_it_is_beside_a_narrow_view(degrees: float, touches: bool) -> None:
     """Turtlebots that knew one another's positions touched: neither was behind the other, nor in its view. What a wide
     view does not show is not there."""
-    navigator, other = Navigator(name="robot_0"), (1.6, 2.36)
+    navigator, other = Navigator(navigation_with(), name="robot_0"), (1.6, 2.36)
     navigator.set_map(room())
     navigator.set_others({"robot_1": other}, 0.0)
     navigator.set_goal(Pose(3.2, 2.0, 0.0), 0.0)
@@ -519,7 +522,7 @@ def test_not_into_a_robot_that_says_it_is_beside_a_narrow_view(degrees: float, t
 
 def test_thinning_keeps_the_nearest_point() -> None:
     """A corner was taken for 4 cm farther away than it was, and touched."""
-    options = NavigationOptions()
+    options = navigation_with()
     costs = CostMap(OccupancyGrid.of(np.zeros((40, 40), np.int8), 0.05, Pose(-1.0, -1.0)), options)
     points = np.array([[0.599, 0.0], [0.571, 0.0], [0.585, 0.0]])
     scan = Scan(points, np.full(3, 0.6), 0.0, 0.01, 0.0, 8.0, (0.0, 0.0, 0.0))
@@ -528,7 +531,7 @@ def test_thinning_keeps_the_nearest_point() -> None:
 
 
 def test_a_new_goal_does_not_stop_the_robot() -> None:
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room())
     pose, speeds = Pose(0.6, 2.0, 0.0), []
     navigator.set_goal(Pose(3.4, 2.0, 0.0), 0.0)
@@ -547,7 +550,7 @@ def test_a_way_around_what_is_at_rest_is_kept() -> None:
     cells = np.zeros((240, 80), np.int8)
     cells[:, 39:41] = 100
     cells[15:35, 39:41] = cells[190:215, 39:41] = 0  # two doors, 9 m from one another
-    costs, route = CostMap(OccupancyGrid.of(cells, 0.05), NavigationOptions()), Route(NavigationOptions())
+    costs, route = CostMap(OccupancyGrid.of(cells, 0.05), navigation_with()), Route(navigation_with())
     at_rest = np.array([(2.0, y) for y in np.arange(0.75, 1.8, 0.05)])
     place, goal = np.array((1.0, 1.25)), Pose(3.0, 1.25, 0.0)
     route.set_goal(goal, 0.0)
@@ -579,6 +582,17 @@ def test_a_robot_that_moves_is_not_called_blocked() -> None:
         assert not watch.blocked(step * 0.1, Pose(x, 0.0, 0.0))
         x, v = x + 0.1 * v, min(0.5, v + 0.1)
         watch.command(step * 0.1, (v, 0.0))
+
+
+@pytest.mark.parametrize("world", ["office26x15_turtlebots", "office26x15_mixed"])
+def test_robots_of_a_world_are_driven_as_what_they_are(world: str) -> None:
+    """All were taken for Pioneers: a Turtlebot kept 1.3 cm more to its sides than it needs, and turned to no goal."""
+    loop = ClosedLoop(world, 2, 0)
+    platforms = [platform_of(robot) for robot in loop.world.robots]
+    for robot, platform in zip(loop.robots, platforms):
+        assert robot.navigator.options == navigation_options(platform, platforms)
+        assert robot.slam.options == slam_options(platform, platforms)
+    assert loop.robots[1].navigator.options.footprint_width == 0.354
 
 
 def drive(loop: ClosedLoop, goals: List[Pose], limit: float, since: float = 2.5) -> None:
@@ -634,7 +648,7 @@ def test_random_goals_in_the_office_without_touching_anything() -> None:
 
 
 def test_a_clock_set_back_neither_ends_nor_holds_up_a_goal() -> None:
-    navigator = Navigator()
+    navigator = Navigator(navigation_with())
     navigator.set_map(room((slice(None), slice(40, 42))))
     navigator.set_goal(Pose(3.0, 2.0, 0.0), 1000.0)
     navigator.step(1000.1, Pose(1.0, 2.0, 0.0), EMPTY)
@@ -650,7 +664,7 @@ def test_time_goes_on_when_a_clock_is_set_back() -> None:
 def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str]) -> None:
     # A robot that never moves fills the only door.
     world = draw_world((8, 4), [(3.95, 0, 0.1, 1.7), (3.95, 2.3, 0.1, 1.7)], [(1.5, 2.0, 0.0), (4.0, 2.0, 90.0)])
-    loop = ClosedLoop(world, 2, 0, NavigationOptions(blocked_timeout=8.0))
+    loop = ClosedLoop(world, 2, 0, blocked_timeout=8.0)
     loop.share_positions = False
     first = loop.robots[0]
     loop.run(2.5)
@@ -674,7 +688,7 @@ def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str
 def test_close_obstacles_are_not_thinned_out() -> None:
     """Standing robots that turned a little touched with a corner: the point it came to was left out for one nearer to
     the middle of the robot."""
-    costs = CostMap(OccupancyGrid.of(np.zeros((80, 80), dtype=np.int8), 0.05, Pose(-2.0, -2.0)), NavigationOptions())
+    costs = CostMap(OccupancyGrid.of(np.zeros((80, 80), dtype=np.int8), 0.05, Pose(-2.0, -2.0)), navigation_with())
     close, far = [[0.301, 0.001], [0.325, 0.025]], [[0.905, 0.001], [0.925, 0.025]]
     rows = _navigation.surroundings(
         np.array(close + far), (0.0, 0.0, 0.0), ObstacleMemory(1.0).rows, costs.walls, None, FOOTPRINT,
@@ -693,7 +707,7 @@ def beside(wall: float) -> Scan:
 
 
 def seen_around(scan: Scan, grid: OccupancyGrid, own: Optional[OccupancyGrid] = None) -> np.ndarray:
-    options, pose = NavigationOptions(), Pose(2.0, 2.0, 0.0)
+    options, pose = navigation_with(), Pose(2.0, 2.0, 0.0)
     mapped = None if own is None else _navigation.Map(own.cells, own.resolution, own.origin[:2])
     return Surroundings(options).obstacles(CostMap(grid, options), mapped, pose, scan)[:, :2] - pose[:2]
 
@@ -712,7 +726,7 @@ def test_walls_that_only_others_have_mapped_are_kept_away_from() -> None:
     cells[36, 30:50], cells[44, 30:50] = 100, 100
     own = np.where(np.arange(80)[:, np.newaxis] < 40, cells, -1).astype(np.int8)  # nothing to the left of the robot
     grid, mapped = OccupancyGrid.of(cells, 0.05), _navigation.Map(own, 0.05, (0.0, 0.0))
-    pose, options = Pose(2.0, 2.0, 0.0), NavigationOptions()
+    pose, options = Pose(2.0, 2.0, 0.0), navigation_with()
     blind = make_scan(np.full(3, np.inf), 3.0, 0.01, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
     rows = bare(Surroundings(options).obstacles(CostMap(grid, options), mapped, pose, blind), options.obstacle_margin)
     assert rows[rows[:, 1] > 2.0, 2].tolist() == pytest.approx(
@@ -723,7 +737,7 @@ def test_walls_that_only_others_have_mapped_are_kept_away_from() -> None:
 
 def test_manoeuvres_keep_away_from_what_moves_at_speed() -> None:
     """Two robots that backed past one another touched: for manoeuvres each of them took the other to stand."""
-    options, motion = NavigationOptions(), Motion(NavigationOptions())
+    options, motion = navigation_with(), Motion(navigation_with())
     beside = np.array([[x, 0.19 + 0.08, options.moving_margin, options.moving_reaction_time] for x in (-0.3, 0.0)])
     tight = bare(beside, options.obstacle_margin)
     assert motion.is_clear(Pose(0.0, 0.0, 0.0), tight, (-0.05, 0.0)), "slowly it may pass"
@@ -734,8 +748,8 @@ def test_manoeuvres_keep_away_from_what_moves_at_speed() -> None:
 
 def test_what_moves_may_have_come_nearer_behind_the_robot() -> None:
     """Robots backed into others that had followed them since they were last seen."""
-    surroundings, pose = Surroundings(NavigationOptions()), Pose(2.0, 2.0, 0.0)
-    costs = CostMap(room((slice(44, 46), slice(24, 26))), NavigationOptions())
+    surroundings, pose = Surroundings(navigation_with()), Pose(2.0, 2.0, 0.0)
+    costs = CostMap(room((slice(44, 46), slice(24, 26))), navigation_with())
     angles = np.linspace(-math.pi, math.pi, 720)
     robot = np.where(np.cos(angles - math.pi) > math.cos(0.05), 0.8, 8.0)  # behind
     surroundings.see(make_scan(robot, -math.pi, 2.0 * math.pi / 719, 0.1, 8.0, Pose()), pose, costs, 7.0)
@@ -744,9 +758,9 @@ def test_what_moves_may_have_come_nearer_behind_the_robot() -> None:
     assert len(behind) and behind[:, 0] == pytest.approx(1.2, abs=0.05)
     assert behind[:, 2] == pytest.approx(0.1 + 3.0 * 0.2)
     assert len(surroundings.followers(10.0, costs, Pose(2.0, 2.0, math.pi))) == 0, "it is seen there"
-    wall = CostMap(room((slice(38, 42), slice(22, 24))), NavigationOptions())
+    wall = CostMap(room((slice(38, 42), slice(22, 24))), navigation_with())
     assert len(surroundings.followers(10.0, wall, pose)) == 0, "it has turned out to be a wall"
-    unknown = CostMap(OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05), NavigationOptions())
+    unknown = CostMap(OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05), navigation_with())
     assert len(surroundings.followers(10.0, unknown, pose)) == 0, "it may be one"
 
 
@@ -764,7 +778,7 @@ def test_a_robot_that_is_farther_than_its_manoeuvre_does_not_creep(off: float) -
 def test_a_way_that_closed_leads_up_to_where_that_shows_from_wherever_the_robot_is() -> None:
     """A robot that had made room stood until its goal was given up: the way it had was known near the other one only,
     which SLAM had drawn across the corridor."""
-    options, route, nothing = NavigationOptions(), Route(NavigationOptions()), np.empty((0, 2))
+    options, route, nothing = navigation_with(), Route(navigation_with()), np.empty((0, 2))
     near, away = Pose(1.5, 2.0, 0.0), Pose(3.4, 2.0, 0.0)
     open_costs = CostMap(room(), options)
     route.set_goal(Pose(0.8, 2.0, 0.0), 0.0)
@@ -778,7 +792,7 @@ def test_a_way_that_closed_leads_up_to_where_that_shows_from_wherever_the_robot_
 def test_a_robot_that_comes_nearer_to_what_closed_its_way_is_not_blocked_by_it() -> None:
     """One that came back from making room had its goal given up before it could see that the corridor
     was free again."""
-    options, route, nothing = NavigationOptions(), Route(NavigationOptions()), np.empty((0, 2))
+    options, route, nothing = navigation_with(), Route(navigation_with()), np.empty((0, 2))
     closed = CostMap(room((slice(0, 80), slice(25, 27))), options)
     route.set_goal(Pose(0.8, 2.0, 0.0), 0.0)
     route.update(0.0, Pose(3.5, 2.0, 0.0), CostMap(room(), options), nothing)
@@ -798,7 +812,7 @@ def test_a_robot_that_comes_nearer_to_what_closed_its_way_is_not_blocked_by_it()
 
 def test_what_is_beside_the_robot_goes_on_where_the_laser_is_blind() -> None:
     """Robots that turned touched a wall with a corner behind the last beam, and backed into others that passed."""
-    options, unknown, free = NavigationOptions(), np.full((80, 80), -1, np.int8), np.zeros((80, 80), np.int8)
+    options, unknown, free = navigation_with(), np.full((80, 80), -1, np.int8), np.zeros((80, 80), np.int8)
     ends = free.copy()
     ends[35, 35:] = 100  # the wall that is seen, as far as it is seen
     for cells, goes_on in ((unknown, True), (ends, False), (free, True)):
@@ -830,10 +844,10 @@ def test_what_the_laser_sees_gone_is_forgotten_wherever_its_angles_begin(
     first: float, turn: float, bearing: float
 ) -> None:
     """On one side of lasers whose angles begin at 0 it was remembered, and walls that were seen counted twice."""
-    pose, costs = Pose(2.0, 2.0, 0.3), CostMap(room(), NavigationOptions())
+    pose, costs = Pose(2.0, 2.0, 0.3), CostMap(room(), navigation_with())
     angles = first + turn * np.arange(720)
     there = np.where(np.cos(angles - bearing) > math.cos(0.2), 1.0, 8.0)
-    surroundings = Surroundings(NavigationOptions())
+    surroundings = Surroundings(navigation_with())
     surroundings.see(make_scan(there, first, turn, 0.1, 8.0, Pose()), pose, costs, 0.0)
     assert len(surroundings.moving_points(pose))
     surroundings.see(make_scan(np.full(720, 4.0), first, turn, 0.1, 4.0, Pose()), pose, costs, 0.1)
@@ -937,7 +951,7 @@ def test_giving_way_in_vain_widens_the_chance() -> None:
     def waits(times: int) -> List[float]:
         result = []
         for seed in range(60):
-            held = HeldUp("robot", NavigationOptions(), np.random.default_rng(seed))
+            held = HeldUp("robot", navigation_with(), np.random.default_rng(seed))
             for k in range(times):
                 held.gave_way(10.0 * k)
             result.append(wait(held))
@@ -951,7 +965,7 @@ def test_a_retreat_leads_out_of_a_long_narrow_corridor() -> None:
     cells = np.full((60, 140), 100, np.int8)
     cells[2:58, 2:40] = 0
     cells[26:35, 40:138] = 0
-    costs = CostMap(OccupancyGrid.of(cells, 0.05), NavigationOptions())
+    costs = CostMap(OccupancyGrid.of(cells, 0.05), navigation_with())
     retreat = find_retreat(costs, np.empty((0, 2)), Pose(5.5, 1.52, math.pi), (6.4, 1.52))
     assert retreat is not None and retreat.goal[0] < 1.9
 
@@ -966,7 +980,7 @@ def test_a_robot_that_cannot_get_to_where_it_gives_way_looks_for_another_place(m
         return plan(costs, obstacles, pose, (0.8, 2.0), 0.3)
 
     monkeypatch.setattr(engine, "find_retreat", found)
-    navigator, pose = Navigator(name="robot_1"), Pose(2.0, 2.0, 0.0)
+    navigator, pose = Navigator(navigation_with(), name="robot_1"), Pose(2.0, 2.0, 0.0)
     for set_map in (navigator.set_map, lambda grid: navigator.set_own_map(grid, 0.0)):
         set_map(room())
     navigator.set_goal(Pose(3.5, 2.0, 0.0), 0.0)
@@ -982,7 +996,7 @@ def test_a_robot_that_cannot_get_to_where_it_gives_way_looks_for_another_place(m
 
 def test_who_gives_way_by_name_does_not_wait_by_chance() -> None:
     """Beside the way of who passes, it stood up to twelve seconds longer than that took."""
-    held = HeldUp("robot_1", NavigationOptions(), np.random.default_rng(0))
+    held = HeldUp("robot_1", navigation_with(), np.random.default_rng(0))
     ahead = (1.0, 0.0)
     for _ in range(4):
         held.gave_way(0.0)
@@ -994,7 +1008,7 @@ def test_who_gives_way_by_name_does_not_wait_by_chance() -> None:
 
 
 def test_a_retreat_leads_on_while_the_robot_comes_nearer_or_gains_room() -> None:
-    costs = CostMap(room(), NavigationOptions())
+    costs = CostMap(room(), navigation_with())
     way = plan(costs, np.empty((0, 2)), Pose(3.0, 2.0, 0.0), (1.0, 2.0), 0.3)
     assert way is not None
     retreat = Retreat(way, 0.0)

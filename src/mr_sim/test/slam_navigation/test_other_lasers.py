@@ -5,9 +5,10 @@ from typing import Tuple
 
 import numpy as np
 import pytest
+from usual_robot import slam_with
 
 from mr_grid import Pose
-from mr_robot.slam.engine import LaserScan, Slam
+from mr_robot.slam.engine import LaserScan
 
 Box = Tuple[float, float, float, float]
 """Least and greatest x, least and greatest y in m of a room without anything in it."""
@@ -29,7 +30,7 @@ def all_around(beams: int, reach: float, box: Box, pose: Pose, random: np.random
 
 def lost_along(beams: int, reach: float, box: Box) -> float:
     """m that SLAM is off at worst while the robot drives 6 m ahead, with odometry that tells the truth."""
-    slam, random, worst = Slam(), np.random.default_rng(1), 0.0
+    slam, random, worst = slam_with(), np.random.default_rng(1), 0.0
     for step in range(160):
         pose = Pose(0.05 * max(0, step - 40), 0.0, 0.0)
         found = slam.process(all_around(beams, reach, box, pose, random), pose, 0.1 * step).pose
@@ -52,7 +53,7 @@ def test_a_wall_that_the_robot_leaves_out_of_reach_does_not_say_that_it_stands()
 @pytest.mark.parametrize("beams, reach", [(36, 8.0), (90, 3.5), (360, 2.0)])
 def test_wheels_that_slip_are_seen_by_any_laser(beams: int, reach: float) -> None:
     """In a closed room all walls were one thing whose ends touch, so a small one, and odometry alone was believed."""
-    slam, random, box = Slam(), np.random.default_rng(1), (-1.5, 1.7, -1.2, 1.6)
+    slam, random, box = slam_with(), np.random.default_rng(1), (-1.5, 1.7, -1.2, 1.6)
     for step in range(100):
         odometry = Pose(0.03 * max(0, step - 40), 0.0, 0.0)
         pose = slam.process(all_around(beams, reach, box, Pose(), random), odometry, 0.1 * step).pose

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_slam import follow
 from test_slam_evaluation import Recorder, processed
+from usual_robot import slam_with
 
 from mr_grid import Pose
 from mr_robot.slam.engine import LaserScan, Slam, SlamError
@@ -33,11 +34,11 @@ def test_a_loop_is_closed_after_a_crash_on_half_the_way(draw_world: Callable[...
     0.15 m from where it is."""
     drives = Recorder(draw_world((24, 16), [(2.0, 2.0, 20.0, 12.0)], [(1.0, 1.0, 0.0)]), 0)
     drives.run(260.0, follow([(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 1.0), (23.0, 1.0)], 0.4))
-    log, slam = with_random_walk(drives.log(), 0.1, 0.02, 7), Slam()
+    log, slam = with_random_walk(drives.log(), 0.1, 0.02, 7), slam_with()
     slam.begin_journal()
     half = len(log.times) // 2
     assert sum(1 for _ in processed(log, slam, range(half))) == half
-    anew, written = Slam(), slam.take_journal()
+    anew, written = slam_with(), slam.take_journal()
     assert anew.recall(written, slam.state()) == len(written)
     assert anew.map_to_odometry() == slam.map_to_odometry() and anew.revision == 1
     assert max(far_from(walls(slam), walls(anew)), far_from(walls(anew), walls(slam))) < 0.01
@@ -52,7 +53,7 @@ def test_what_was_not_written_whole_is_left_out(cut: int, broken: int, octet: in
     torn = bytearray(written[:cut])
     if broken < len(torn):
         torn[broken] = octet
-    slam = Slam()
+    slam = slam_with()
     used = slam.recall(bytes(torn), state)
     assert used <= len(torn) and (used > 0) == (slam.revision > 0)
     assert slam.recall(written, state[:-1]) == 0, "a state of another size"
@@ -63,7 +64,7 @@ def test_places_that_no_map_holds_begin_a_new_one() -> None:
     written, state = ROOM
     there = struct.pack("<6d", 0.0, 0.0, 0.0, 5000.0, 5000.0, 0.0)
     poses = b"P" + struct.pack("<I", len(there)) + there
-    slam = Slam()
+    slam = slam_with()
     with pytest.raises(SlamError, match="too many cells"):
         slam.recall(written + poses, state)
     in_a_room(slam, 40)
@@ -81,7 +82,7 @@ def in_a_room(slam: Slam, steps: int) -> None:
 
 
 def room() -> Tuple[bytes, bytes]:
-    slam = Slam()
+    slam = slam_with()
     slam.begin_journal()
     in_a_room(slam, 40)
     return slam.take_journal(), slam.state()
@@ -91,12 +92,12 @@ ROOM = room()
 
 
 def test_nothing_is_written_unless_it_is_asked_for() -> None:
-    slam = Slam()
+    slam = slam_with()
     in_a_room(slam, 40)
     assert slam.take_journal() == b""
 
 
 def test_a_map_that_has_begun_recalls_nothing() -> None:
-    slam = Slam()
+    slam = slam_with()
     in_a_room(slam, 2)
     assert slam.recall(*ROOM) == 0

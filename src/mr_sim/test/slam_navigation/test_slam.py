@@ -4,13 +4,15 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Callable, List, Tuple
 
 import numpy as np
 import pytest
+from usual_robot import slam_with
 
 from mr_grid import Pose
-from mr_robot.slam.engine import LaserScan, OdometryHistory, Slam, SlamError, SlamOptions
+from mr_robot.slam.engine import LaserScan, OdometryHistory, Slam, SlamError
 from mr_sim.closed_loop import ClosedLoop, Robot
 
 Drive = Callable[[float], Tuple[float, float]]
@@ -73,7 +75,7 @@ def occupied(slam: Slam, x: float, y: float, radius: float) -> int:
 
 def test_a_wall_that_is_only_seen_at_a_grazing_angle_stays_in_the_map() -> None:
     """On it hits are far apart, and many beams that end on it farther away cross the cells of each: they opened it."""
-    random, slam, angles = np.random.default_rng(5), Slam(), np.radians(np.arange(-135.0, 135.5))
+    random, slam, angles = np.random.default_rng(5), slam_with(), np.radians(np.arange(-135.0, 135.5))
     for step in range(120):
         x = 0.01 * step
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -178,7 +180,7 @@ def narrow_view(yaw: float) -> LaserScan:
 
 def test_wheels_that_turn_a_narrow_view_on_the_spot_turn_no_pose() -> None:
     """The view is that of one wall, and a little turn at a time was believed until the map had turned by a radian."""
-    slam, step = Slam(), 0.05
+    slam, step = slam_with(), 0.05
     slam.process(narrow_view(0.0), Pose(0.0, 0.0, 0.0), 0.0)
     for count in range(1, 21):
         pose = slam.process(narrow_view(0.0), Pose(0.0, 0.0, count * step), 0.1 * count).pose
@@ -298,7 +300,7 @@ def test_lattice_survives_growth() -> None:
 
 
 def test_beams_without_echo_clear_and_make_no_walls() -> None:
-    slam = Slam()
+    slam = slam_with()
     nothing = np.full(541, np.inf, np.float32)
     geometry = (-2.356, 4.712 / 540, 0.0, 8.0, (0.0, 0.0, 0.0))
     assert slam.process(LaserScan(nothing, *geometry), Pose(0.0, 0.0, 0.0), 0.0).inserted
@@ -315,7 +317,7 @@ def test_beams_without_echo_of_a_laser_that_sees_far_free_no_more_than_they_may(
     with np.errstate(divide="ignore"):
         ranges = (5.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))).astype(np.float32)
     ranges[[0, 180, 360, 540]] = np.inf
-    slam = Slam(SlamOptions(**options))
+    slam = slam_with(**options)
     slam.process(LaserScan(ranges, -math.pi, 2.0 * math.pi / 720, 0.1, 100.0, Pose()), Pose(), 0.0)
     rows, columns = np.nonzero(slam.map().cells == 0)
     assert 0.05 * np.ptp(rows) == pytest.approx(2.0 * free, abs=0.2)
@@ -325,7 +327,7 @@ def test_beams_without_echo_of_a_laser_that_sees_far_free_no_more_than_they_may(
 @pytest.mark.parametrize("resolution", [0.05, 0.1])
 def test_what_is_hit_beyond_the_reach_of_the_map_counts_as_nothing(resolution: float) -> None:
     """A single hit of the sun or of glass made a map of hundreds of metres, and of gigabytes."""
-    slam = Slam(SlamOptions(resolution=resolution))
+    slam = slam_with(resolution=resolution)
     reach = 1600 * resolution
     assert slam.reach == pytest.approx(reach)
     ranges = np.full(360, 5.0, dtype=np.float32)
@@ -343,11 +345,13 @@ def test_what_is_hit_beyond_the_reach_of_the_map_counts_as_nothing(resolution: f
 def test_memory_of_a_laser_that_sees_far_is_bounded(farthest: float) -> None:
     """A child, for what was once taken is not given back: m of range, MB of memory."""
     code = f"""
-import math, resource
+import math, resource, sys
 import numpy as np
+sys.path.insert(0, {str(Path(__file__).parent)!r})
 from mr_grid import Pose
-from mr_robot.slam.engine import LaserScan, Slam
-slam, turn = Slam(), 2.0 * math.pi / 720
+from usual_robot import slam_with
+from mr_robot.slam.engine import LaserScan
+slam, turn = slam_with(), 2.0 * math.pi / 720
 taken = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 before = taken()
 for step in range(40):
@@ -378,11 +382,11 @@ def test_same_input_same_bits() -> None:
 )
 def test_unusable_input_is_named(ranges: np.ndarray, odometry: Pose, message: str) -> None:
     with pytest.raises(SlamError, match=message):
-        Slam().process(LaserScan(ranges, -1.0, 0.1, 0.0, 8.0, Pose(0.0, 0.0, 0.0)), odometry, 0.0)
+        slam_with().process(LaserScan(ranges, -1.0, 0.1, 0.0, 8.0, Pose(0.0, 0.0, 0.0)), odometry, 0.0)
 
 
 def test_scan_of_nothing_valid_is_survived() -> None:
-    slam = Slam()
+    slam = slam_with()
     scan = LaserScan(np.full(541, np.nan, np.float32), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
     for step in range(5):
         update = slam.process(scan, Pose(0.2 * step, 0.0, 0.0), 0.1 * step)
@@ -391,7 +395,7 @@ def test_scan_of_nothing_valid_is_survived() -> None:
 
 def test_options_out_of_range_are_named() -> None:
     with pytest.raises(SlamError, match="resolution must be a positive number"):
-        SlamOptions(resolution=0.0)
+        slam_with(resolution=0.0)
 
 
 def test_odometry_between_two_readings() -> None:
@@ -444,7 +448,7 @@ def test_odometry_that_is_not_finite_is_refused(time: float, x: float) -> None:
 
 
 def test_a_laser_far_ahead_that_looks_back_is_on_the_map() -> None:
-    slam = Slam()
+    slam = slam_with()
     scan = LaserScan(np.full(181, 100.0, np.float32), -0.5, 1.0 / 180, 0.0, 200.0, Pose(0.0, 190.0, -math.pi / 2))
     assert slam.process(scan, Pose(0.0, 0.0, 0.0), 0.0).inserted
 
@@ -464,7 +468,7 @@ def test_the_size_of_things_that_may_be_robots_is_a_parameter() -> None:
     """The box comes nearer, the robot stands and its wheels slip: only what may be a robot leaves the pose alone."""
     error = {}
     for size in (0.7, 1.2):
-        slam = Slam(SlamOptions(small_object_size=size))
+        slam = slam_with(small_object_size=size)
         for step in range(8):
             slam.process(boxed_room(1.5), Pose(0.0, 0.0, 0.0), float(step))
         error[size] = slam.process(boxed_room(1.4), Pose(0.1, 0.0, 0.0), 9.0).pose[0]
@@ -476,7 +480,7 @@ def test_what_stands_before_the_first_and_last_beams_of_a_laser_is_one_thing() -
     be robots."""
     told = []
     for first in (-math.pi, 0.0):
-        slam, view = Slam(), 2.0 * math.pi * 540 / 541
+        slam, view = slam_with(), 2.0 * math.pi * 540 / 541
         for step in range(8):
             slam.process(boxed_room(1.5, first, view, reach=3.0), Pose(), float(step))
         told.append(slam.process(boxed_room(1.4, first, view, reach=3.0), Pose(0.06, 0.0, 0.0), 9.0).pose.x)
@@ -497,7 +501,7 @@ def narrow_room(heading: float, robot: float) -> LaserScan:
 
 def test_a_robot_that_turns_with_another_one_before_it_does_not_seem_to_stand() -> None:
     """A Turtlebot whose view another one filled that drove around it took its turn for slipping wheels: 9 degrees."""
-    slam, yaw = Slam(), 0.0
+    slam, yaw = slam_with(), 0.0
     for step in range(60):
         slam.process(narrow_room(yaw, math.pi), Pose(0.0, 0.0, yaw), 0.1 * step)
         yaw += 0.1
@@ -532,7 +536,7 @@ def with_robot(scan: LaserScan, x: float, y: float) -> LaserScan:
 def test_a_robot_that_stood_close_to_furniture_does_not_pull(x: float, y: float, way: float) -> None:
     """With 0.2 m between it and a box 1 m wide, both were one thing, too large to be a robot: it took this one's pose
     along by 0.3 m when it drove off."""
-    slam = Slam()
+    slam = slam_with()
     for step in range(80):
         slam.process(with_robot(boxed_room(1.5, reach=3.0), x, y), Pose(), 0.1 * step)
     for step in range(1, 31):
@@ -562,7 +566,7 @@ def test_a_far_wall_of_long_ago_does_not_turn_a_robot_that_sees_it_out_of_a_pass
     degree, and what it drew next with it. The wall is off by 8 cm; the robot drives to and fro, at first blind."""
     passage = [(-2.0, 0.7, 1.2, 0.7), (-2.0, -0.7, 1.2, -0.7), (1.2, 0.7, 1.2, 0.45), (1.2, -0.7, 1.2, -0.45)]
     far, drifted = (4.9, -1.4, 7.1, 1.4), (4.9, -1.32, 7.1, 1.48)
-    slam, start, errors = Slam(), Pose(-0.6, 0.0, 0.0), []
+    slam, start, errors = slam_with(), Pose(-0.6, 0.0, 0.0), []
     for step in range(540):
         way = 0.04 * step
         pose = Pose(min(way % 2.4, 2.4 - way % 2.4) - 0.6, 0.0, 0.25 * math.sin(2.0 * way) if way > 13.0 else 0.0)
@@ -576,7 +580,7 @@ def test_a_far_wall_of_long_ago_does_not_turn_a_robot_that_sees_it_out_of_a_pass
 def test_what_was_hit_from_too_far_to_be_a_surface_contradicts_no_scan() -> None:
     """A Turtlebot saw a wall at 4 m, where it reads too roughly to tell which way a wall runs, and then near: where it
     had been drawn the map knew better, and the robot was soon believed to be elsewhere."""
-    slam, random = Slam(SlamOptions()), np.random.default_rng(1)
+    slam, random = slam_with(), np.random.default_rng(1)
     angles = np.linspace(-0.5, 0.5, 640)
     for step in range(30):
         x = 0.1 * step
@@ -590,7 +594,7 @@ def test_what_was_hit_from_too_far_to_be_a_surface_contradicts_no_scan() -> None
 
 def test_far_walls_that_are_read_roughly_are_surfaces() -> None:
     """A Turtlebot's laser scatters by centimetres at 4 m; the far walls of a room steered it too little."""
-    slam, random = Slam(SlamOptions()), np.random.default_rng(1)
+    slam, random = slam_with(), np.random.default_rng(1)
     angles = np.linspace(-0.5, 0.5, 640)
     for step, x in enumerate((0.0, 0.1, 0.2)):
         ranges = (3.9 - x) / np.cos(angles) + random.normal(0.0, 0.022, angles.size)
@@ -601,7 +605,7 @@ def test_far_walls_that_are_read_roughly_are_surfaces() -> None:
 def test_a_robot_that_comes_out_of_a_door_does_not_make_this_one_stand() -> None:
     """A Turtlebot drove along a wall, and another one came before that wall at the edge of its view: what it saw looked
     more like what it had seen than like what it would have, and it lost 0.3 m."""
-    slam, pose = Slam(), Pose(0.0, 0.6, 0.0)
+    slam, pose = slam_with(), Pose(0.0, 0.6, 0.0)
     for step in range(60):
         scan = corridor(pose)
         if step >= 40:
@@ -615,7 +619,7 @@ def test_a_robot_that_comes_out_of_a_door_does_not_make_this_one_stand() -> None
 def test_wheels_that_slip_against_a_robot_that_hides_all_walls_turn_no_pose() -> None:
     """A Turtlebot touched another one, which came before the last wall it saw, and its wheels turned on: it believed
     them by 34 degrees, though it looked along a corridor where it would have seen through the walls."""
-    slam, pose = Slam(), Pose(0.0, 0.0, 0.0)
+    slam, pose = slam_with(), Pose(0.0, 0.0, 0.0)
     for step in range(60):
         slam.process(corridor(pose), pose, 0.1 * step)
         pose = Pose(pose.x + 0.05, 0.0, 0.9 * math.sin(0.2 * step))
@@ -638,7 +642,7 @@ def test_what_wheels_slipped_is_no_way_between_keyframes() -> None:
     steps = [(ahead, ahead)] * 20 + [(turn, turn)] * 8 + [(Pose(), pushes)] * 5
     back = Pose(0.0, 0.0, -0.08)
     steps += [(back, back)] * 8 + [(ahead, ahead)] * 120
-    slam, pose, odometry = Slam(), Pose(), Pose()
+    slam, pose, odometry = slam_with(), Pose(), Pose()
     for index, (moved, counted) in enumerate(steps):
         pose, odometry = pose.compose(moved), odometry.compose(counted)
         estimate = slam.process(corridor(pose), odometry, 0.1 * index).pose
@@ -668,7 +672,7 @@ def test_a_robot_that_sees_where_it_began_draws_its_map_anew_before_it_is_there(
     near = far - round(1.75 / 0.05)
     steps = [(Pose(), 0.0), *[(turn, 0.0)] * 80] + [(ahead, 0.002)] * 100 + [(ahead, 0.0)] * (far - 100)
     steps += [(turn, 0.0)] * 40 + [(ahead, 0.0)] * near
-    slam, pose, odometry = Slam(), Pose(), Pose()
+    slam, pose, odometry = slam_with(), Pose(), Pose()
     for index, (moved, lost) in enumerate(steps):
         pose = Pose(pose.x + math.copysign(moved.x, math.cos(pose.yaw)), 0.0, pose.yaw + moved.yaw)
         odometry = odometry.compose(Pose(moved.x + lost, 0.0, moved.yaw))
@@ -682,7 +686,7 @@ def drawn_anew(length: float, split: int) -> int:
     turn, ahead, far = Pose(0.0, 0.0, math.pi / 40), Pose(0.05, 0.0, 0.0), round((length - 1.5) / 0.05)
     steps = [(Pose(), 0.0), *[(turn, 0.0)] * 80] + [(ahead, 0.002)] * 100 + [(ahead, 0.0)] * (far - 100)
     steps += [(turn, 0.0)] * 40 + [(ahead, 0.0)] * far
-    slam, pose, odometry, before = Slam(), Pose(), Pose(), math.nan
+    slam, pose, odometry, before = slam_with(), Pose(), Pose(), math.nan
     for index, (moved, lost) in enumerate(steps):
         pose = Pose(pose.x + math.copysign(moved.x, math.cos(pose.yaw)), 0.0, pose.yaw + moved.yaw)
         odometry = odometry.compose(Pose(moved.x + lost, 0.0, moved.yaw))
@@ -703,7 +707,7 @@ def test_less_is_drawn_at_once_of_scans_that_cost_more() -> None:
 
 @pytest.mark.parametrize("radius", [0.17, 0.4])
 def test_the_ground_under_the_robot_is_free_as_far_as_it_reaches(radius: float) -> None:
-    slam = Slam(SlamOptions(free_radius=radius))
+    slam = slam_with(free_radius=radius)
     blind = LaserScan(np.full(100, math.nan, np.float32), -1.0, 0.02, 0.05, 8.0, Pose(0.0, 0.0, 0.0))
     slam.process(blind, Pose(0.0, 0.0, 0.0), 0.0)
     free = np.count_nonzero(slam.map().cells == 0) * slam.options.resolution**2
@@ -721,7 +725,7 @@ def test_a_sweep_of_a_robot_that_turns_gives_straight_walls(known: bool) -> None
     """At 2 rad/s and ten sweeps a second the last beam is 0.2 rad off."""
     turn = 0.2
     geometry = (math.radians(-135.0), math.radians(0.5), 0.1, 30.0, (0.0, 0.0, 0.0))
-    slam = Slam()
+    slam = slam_with()
     slam.process(
         LaserScan(sweep_while_turning(turn), *geometry, (0.0, 0.0, turn if known else 0.0)), Pose(0, 0, 0), 0.0
     )

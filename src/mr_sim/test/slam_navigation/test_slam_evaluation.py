@@ -2,20 +2,20 @@
 
 import math
 import multiprocessing
-from dataclasses import fields
 from pathlib import Path
 from typing import Any, Callable, Iterable, Iterator
 
 import numpy as np
 import pytest
 from test_slam import ROUND, Drives, follow
+from usual_robot import slam_with
 
 from mr_grid import Pose
 from mr_measures.figures import wrong_walls
 from mr_measures.truth import Truth
 from mr_robot._slam import PoseGraph, SquareWalls
-from mr_robot.platforms.parameters import slam_parameters
-from mr_robot.slam.engine import LaserScan, Slam, SlamError, SlamOptions
+from mr_robot.platforms.engines import slam_options
+from mr_robot.slam.engine import LaserScan, Slam, SlamError
 from mr_sim.scan_log import ScanLog, with_random_walk
 from mr_sim.simulated_platform import platform_of
 from mr_sim.slam_evaluation import evaluate, loop_ends
@@ -49,8 +49,7 @@ class Recorder(Drives):
 def slam_of(name: str) -> Slam:
     """With the options of the first robot of that world."""
     platform = platform_of(load_world(find_world(name)).robots[0])
-    given, options = slam_parameters(platform, (platform,)), [field.name for field in fields(SlamOptions)]
-    return Slam(SlamOptions(**{option: given[option] for option in options if option in given}))
+    return Slam(slam_options(platform, (platform,)))
 
 
 def driven(name: str, seed: int, seconds: float) -> ScanLog:
@@ -62,7 +61,7 @@ def driven(name: str, seed: int, seconds: float) -> ScanLog:
 def test_odometry_that_counts_wrong_is_learned() -> None:
     """Pioneers turn by up to 5 % more than they count."""
     log = driven("office26x15", SEED, 190.0)
-    slam = Slam()
+    slam = slam_with()
     for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):
         slam.process(log.scan(index), tuple(odometry), moment)
     x, y, yaw = log.odometry[-1].tolist()
@@ -116,7 +115,7 @@ def test_a_loop_is_closed_farther_off_than_a_scan_is_matched(draw_world: Callabl
     drives = Recorder(draw_world((24, 16), [(2.0, 2.0, 20.0, 12.0)], [(1.0, 1.0, 0.0)]), 0)
     corners = [(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 1.0)]
     drives.run(260.0, follow(corners + corners[:1], 0.4))
-    log, slam = with_random_walk(drives.log(), 0.1, 0.02, 7), Slam()
+    log, slam = with_random_walk(drives.log(), 0.1, 0.02, 7), slam_with()
     truth = Truth.of_world(true_world_of(drives.world))
     assert evaluate(log, truth, slam).end_error < 0.2
     walls = slam.map().info.centres_of(np.argwhere(slam.map().cells == 100))
@@ -138,14 +137,14 @@ def test_a_robot_that_stands_draws_what_it_has_found_out(draw_world: Callable[..
     drives.run(200.0, follow([(23.0, 1.0), (23.0, 15.0), (1.0, 15.0), (1.0, 1.0), (23.0, 1.0)], 0.4))
     log = with_random_walk(drives.log(), 0.1, 0.02, 7)
     truth, start = Truth.of_world(true_world_of(drives.world)), Pose(*log.truth[0].tolist())
-    slam, wrong = Slam(), 0.0
+    slam, wrong = slam_with(), 0.0
     for index in processed(log, slam, range(len(log.times))):
         before, wrong = wrong, wrong_walls(truth, slam.map(), start) if index > 1500 else 0.0
         if wrong < before - 0.1:
             break
     else:
         raise AssertionError("the loop has to be closed")
-    slam, last = Slam(), index - 8  # at rest three scans are matched, the others have to do for the work
+    slam, last = slam_with(), index - 8  # at rest three scans are matched, the others have to do for the work
     for _ in processed(log, slam, range(last + 1)):
         pass
     assert wrong_walls(truth, slam.map(), start) == pytest.approx(before, abs=0.05)
@@ -186,7 +185,7 @@ def seen_along_corridor(place: float, generator: np.random.Generator) -> LaserSc
 def test_the_noise_of_normals_says_nothing_of_the_way_along_a_wall() -> None:
     """Those at niches hardly deeper than the noise lean by what can be seen from the corridor: the robot gained 1 % of
     the way on its wheels, and the map was as much too long; along the office it was too short."""
-    generator, slam, counted, place = np.random.default_rng(0), Slam(), 0.0, 0.3
+    generator, slam, counted, place = np.random.default_rng(0), slam_with(), 0.0, 0.3
     for step in range(400):
         scan = seen_along_corridor(place, generator)
         pose = slam.process(scan, Pose(counted, 0.0, 0.0), 0.1 * step).pose
@@ -221,7 +220,7 @@ def seen_in(walls: np.ndarray, yaw: float) -> SquareWalls:
     hit = (distance > 0) & (place >= 0) & (place <= 1)
     ranges = np.where(hit, distance, 9.0).min(1) + np.random.default_rng(1).normal(0.0, 0.01, len(angles))
     seen = SquareWalls()
-    seen.add(ranges.astype(np.float32), angles[0], math.radians(0.75), 0.02, 8.0, yaw)
+    seen.add(ranges.astype(np.float32), angles[0], math.radians(0.75), 0.02, 8.0, yaw, 0.7)
     return seen
 
 
@@ -278,7 +277,7 @@ def test_a_wall_that_is_drawn_too_near_does_not_make_wheels_slip() -> None:
     """The robot, turning in the open, saw through a wall that was drawn 0.3 m off, and was taken back to how it had
     been headed before: 21 degrees at once."""
     log = driven("office26x15_turtlebots", 3, 1.0)  # for the sensor
-    slam, angles = Slam(), log.geometry[0] + np.arange(log.ranges.shape[1]) * log.geometry[1]
+    slam, angles = slam_with(), log.geometry[0] + np.arange(log.ranges.shape[1]) * log.geometry[1]
 
     def see(truth: Pose, odometry: Pose, moment: float) -> Pose:
         """One wall across at x = 4.2 m, 2 m long; what is farther than 4 m is not seen."""
@@ -364,7 +363,7 @@ def scan_of(ranges: np.ndarray) -> LaserScan:
 
 
 def mapped() -> Slam:
-    slam = Slam()
+    slam = slam_with()
     for step in range(12):
         slam.process(scan_of(box(0.1 * step)), (0.1 * step, 0.0, 0.0), 0.1 * step)
     return slam
@@ -395,7 +394,7 @@ def test_a_place_that_fits_better_is_believed_when_scans_from_several_places_say
 @pytest.mark.parametrize("error", [-0.07, 0.07])
 def test_a_scan_far_from_the_last_is_found_where_odometry_may_err(error: float) -> None:
     """A log with a scan each 45 degrees: walls seen once had no say, scans contradicted the map, and it broke."""
-    slam = Slam()
+    slam = slam_with()
     for step in range(9):
         turned = math.radians(45.0 * step)
         update = slam.process(scan_of(box(0.7, turned)), (0.0, 0.0, turned + error * (step % 2)), float(step))
@@ -404,7 +403,7 @@ def test_a_scan_far_from_the_last_is_found_where_odometry_may_err(error: float) 
 
 
 def test_what_nobody_has_seen_contradicts_nothing() -> None:
-    slam = Slam()
+    slam = slam_with()
     narrow = np.where(np.abs(np.linspace(-135.0, 135.0, 541)) < 30.0, box(0.0), np.nan)
     assert slam.process(scan_of(narrow), (0.0, 0.0, 0.0), 0.0).matched
     update = slam.process(scan_of(narrow), (0.0, 0.0, math.pi), 1.0)

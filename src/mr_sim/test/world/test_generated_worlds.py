@@ -10,6 +10,7 @@ from mr_measures.truth import Truth
 from mr_plans import WORLD_KINDS
 from mr_plans.passable import NARROW_CELLS
 from mr_robot.navigation.options import NavigationOptions
+from mr_robot.platforms.engines import defaults_of
 from mr_sim.true_world import true_world_of
 from mr_sim.world import World
 from mr_sim.world_model import load_world
@@ -35,7 +36,7 @@ def test_the_measures_find_all_of_it_reachable_from_any_start(kind, tmp_path):
 
 
 def test_openings_that_count_as_passable_suit_navigation():
-    assert NavigationOptions().inscribed_radius <= (NARROW_CELLS + 0.5) * 0.05
+    assert NavigationOptions(**defaults_of(NavigationOptions)).inscribed_radius <= (NARROW_CELLS + 0.5) * 0.05
 
 
 def test_files_are_written_once_and_anew_when_they_are_not_those_of_the_seed(tmp_path):

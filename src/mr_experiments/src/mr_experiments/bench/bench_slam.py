@@ -28,7 +28,9 @@ from mr_experiments.bench.slam_peers import peers
 from mr_experiments.common.bounded import Bounds, NoResult, Result, bounded
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.trial.trial import TrialError
+from mr_robot.platforms.engines import defaults_of
 from mr_robot.slam.engine import Slam, SlamError
+from mr_robot.slam.options import SlamOptions
 from mr_sim.scan_log import ScanLog
 from mr_sim.slam_evaluation import Engine, Evaluation, evaluate
 
@@ -221,8 +223,8 @@ def peer_rows(given: argparse.Namespace) -> list[Row]:
 
 
 def undescribed(_: ScanLog) -> Slam:
-    """Of a robot that nobody has described: what options are without that."""
-    return Slam()
+    """Of a robot that nobody has described: what the node takes then."""
+    return Slam(SlamOptions(**defaults_of(SlamOptions)))
 
 
 def real_settings(folder: Path, seed: int, engines: Mapping[str, Make]) -> tuple[dict[Setting, Engines], list[str]]:

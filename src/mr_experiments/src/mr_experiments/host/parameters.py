@@ -4,7 +4,7 @@ configuration files."""
 from __future__ import annotations
 
 import functools
-from typing import Any, Mapping, NamedTuple
+from typing import Any, NamedTuple
 
 import yaml  # type: ignore[import-untyped]
 
@@ -15,12 +15,8 @@ from mr_experiments.trial.trial import CENTRALIZED, Trial, TrialError
 from mr_grid import Pose
 from mr_measures.record.ros_packages import folder_of
 from mr_robot.navigation.options import NavigationOptions
-from mr_robot.platforms.parameters import (
-    explorer_parameters,
-    merger_parameters,
-    navigation_parameters,
-    slam_parameters,
-)
+from mr_robot.platforms import engines
+from mr_robot.platforms.parameters import explorer_parameters, merger_parameters
 from mr_robot.platforms.platform import Platform
 from mr_robot.slam.engine import SlamOptions
 
@@ -64,14 +60,13 @@ def explorer_options(trial: Trial, name: str, index: int, member: Member) -> exp
 
 
 def navigation_options(member: Member) -> NavigationOptions:
-    return NavigationOptions(**_engine(navigation_parameters(*member), "navigation"))
+    return engines.navigation_options(*member, **_engine("navigation"))
 
 
 def slam_options(member: Member) -> SlamOptions:
-    return SlamOptions(**_engine(slam_parameters(*member), "slam"))
+    return engines.slam_options(*member, **_engine("slam"))
 
 
-def _engine(follows: Mapping[str, Any], node: str) -> dict[str, Any]:
-    """The options of a node's engine: what follows from the robot, and the node's configuration."""
-    given = {**follows, **_configuration(node)}
-    return {name: value for name, value in given.items() if name not in NODES_OWN}
+def _engine(node: str) -> dict[str, Any]:
+    """What the configuration of a node says for its engine."""
+    return {name: value for name, value in _configuration(node).items() if name not in NODES_OWN}

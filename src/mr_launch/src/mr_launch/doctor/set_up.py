@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
 from typing import Any, Callable, Iterable, Iterator
 
 from explorer import options as explorer_options
@@ -13,6 +12,7 @@ from mr_launch.doctor.facts import FRAME_SIZE, SetUp, Topic
 from mr_launch.node_options import Parameters, explorer_fault, merger_fault
 from mr_robot import parameter_names
 from mr_robot.navigation.options import NavigationError, NavigationOptions
+from mr_robot.platforms.engines import defaults_of
 
 NODES = (
     "adhoc_communication",
@@ -131,13 +131,14 @@ def _navigation_faults(given: Parameters) -> Iterator[str]:
     if "footprint_length" not in given:
         return
     yield from unknown_parameters(given, parameter_names.NAVIGATION)
-    values = {each.name: given[each.name] for each in fields(NavigationOptions) if each.name in given}
+    usual = defaults_of(NavigationOptions)
+    values = {name: given[name] for name in usual if name in given}
     wrong = [name for name, value in values.items() if not isinstance(value, (int, float))]
     yield from (f"parameter {name} must be a number, not {values[name]!r:.60}" for name in wrong)
     if wrong:
         return
     try:
-        NavigationOptions(**values)
+        NavigationOptions(**{**usual, **values})
     except NavigationError as error:
         yield str(error)
 

@@ -20,6 +20,22 @@ using Ranges = py::array_t<float, py::array::c_style | py::array::forcecast>;
 Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
 PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 
+SlamOptions slam_options(double surface_deviation, double free_radius, double small_object_size, double resolution,
+                         double match_distance, double match_angle, double insert_distance, double insert_angle,
+                         double insert_interval, double search_window, double surface_window, double free_range) {
+  SlamOptions options{{free_radius}, {surface_deviation}, {small_object_size}};
+  options.grid.resolution = resolution;
+  options.match.window = search_window;
+  options.scan.surface_window = surface_window;
+  options.scan.free_range = free_range;
+  options.match_distance = match_distance;
+  options.match_angle = match_angle;
+  options.insert_distance = insert_distance;
+  options.insert_angle = insert_angle;
+  options.insert_interval = insert_interval;
+  return options;
+}
+
 py::tuple process(Slam& slam, const Ranges& ranges, const PoseTuple& odometry, const PoseTuple& mount, double angle_min,
                   double angle_increment, double range_min, double range_max, double time, const PoseTuple& swept) {
   const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount), to_pose(swept)};
@@ -55,11 +71,11 @@ py::array_t<float> surfaces(const Slam& slam) {
 
 // Rows (x, y, off x, off y, normal x, normal y, deviation).
 py::array_t<double> edges(const Ranges& ranges, const PoseTuple& mount, double angle_min, double angle_increment,
-                          double range_min, double range_max) {
+                          double range_min, double range_max, double small_object_size) {
   const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, to_pose(mount), Pose{}};
-  const ScanOptions options;
-  const auto found = edges_of(make_scan(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, options),
-                              options.small_object_size);
+  const ScanOptions options{small_object_size};
+  const auto found =
+      edges_of(make_scan(ranges.data(), static_cast<std::size_t>(ranges.size()), geometry, options), small_object_size);
   py::array_t<double> rows({static_cast<py::ssize_t>(found.size()), py::ssize_t{7}});
   double* value = rows.mutable_data();
   for (const Edge& edge : found) {
@@ -75,41 +91,18 @@ py::array_t<double> edges(const Ranges& ranges, const PoseTuple& mount, double a
 PYBIND11_MODULE(_slam, module) {
   module.doc() = "Core of the SLAM engine. SI units, poses as (x, y, yaw).";
   py::class_<SlamOptions>(module, "SlamOptions")
-      .def(py::init<>())
-      .def_property(
-          "resolution", [](const SlamOptions& o) { return o.grid.resolution; },
-          [](SlamOptions& o, double value) { o.grid.resolution = value; })
-      .def_property(
-          "search_window", [](const SlamOptions& o) { return o.match.window; },
-          [](SlamOptions& o, double value) { o.match.window = value; })
-      .def_property(
-          "surface_deviation", [](const SlamOptions& o) { return o.match.surface_deviation; },
-          [](SlamOptions& o, double value) { o.match.surface_deviation = value; })
-      .def_readwrite("match_distance", &SlamOptions::match_distance)
-      .def_readwrite("match_angle", &SlamOptions::match_angle)
-      .def_readwrite("insert_distance", &SlamOptions::insert_distance)
-      .def_readwrite("insert_angle", &SlamOptions::insert_angle)
-      .def_readwrite("insert_interval", &SlamOptions::insert_interval)
-      .def_property(
-          "free_radius", [](const SlamOptions& o) { return o.grid.free_radius; },
-          [](SlamOptions& o, double value) { o.grid.free_radius = value; })
-      .def_property(
-          "free_range", [](const SlamOptions& o) { return o.scan.free_range; },
-          [](SlamOptions& o, double value) { o.scan.free_range = value; })
-      .def_property(
-          "small_object_size", [](const SlamOptions& o) { return o.scan.small_object_size; },
-          [](SlamOptions& o, double value) { o.scan.small_object_size = value; })
-      .def_property(
-          "surface_window", [](const SlamOptions& o) { return o.scan.surface_window; },
-          [](SlamOptions& o, double value) { o.scan.surface_window = value; });
+      .def(py::init(&slam_options), py::kw_only(), py::arg("surface_deviation"), py::arg("free_radius"),
+           py::arg("small_object_size"), py::arg("resolution"), py::arg("match_distance"), py::arg("match_angle"),
+           py::arg("insert_distance"), py::arg("insert_angle"), py::arg("insert_interval"), py::arg("search_window"),
+           py::arg("surface_window"), py::arg("free_range"));
   py::class_<SquareWalls>(module, "SquareWalls")
       .def(py::init<>())
       .def("add",
            [](SquareWalls& walls, const Ranges& ranges, double angle_min, double angle_increment, double range_min,
-              double range_max, double yaw) {
+              double range_max, double yaw, double small_object_size) {
              const LaserGeometry geometry{angle_min, angle_increment, range_min, range_max, Pose{}, Pose{}};
              const auto size = static_cast<std::size_t>(ranges.size());
-             walls.add(make_scan(ranges.data(), size, geometry, ScanOptions{}), yaw);
+             walls.add(make_scan(ranges.data(), size, geometry, {small_object_size}), yaw);
            })
       .def("direction", &SquareWalls::direction);
   module.def("edges", &edges, "Ends of surfaces in a scan: rows (x, y, off x, off y, normal x, normal y, deviation).");

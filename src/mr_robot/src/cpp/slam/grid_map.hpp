@@ -17,11 +17,11 @@ struct Cell {
 };
 
 struct GridOptions {
+  double free_radius;            // m around the robot that is free because the robot is there
   double resolution = 0.05;      // m
   double occupied_step = 1.2;    // log-odds of one hit
   double free_step = 0.5;        // log-odds of one beam through
   double certainty_limit = 3.6;  // log-odds, both ways: how soon a map gives in to new evidence
-  double free_radius = 0.17;     // m around the robot that is free because the robot is there
 };
 
 class GridMap {

@@ -16,9 +16,9 @@ struct LaserGeometry {
 };
 
 struct ScanOptions {
-  double surface_window = 0.15;  // m, neighbours up to this far apart form a surface
   // m, things that stand free up to this size may be robots: the largest of the team, from end to end, and some more
-  double small_object_size = 0.7;
+  double small_object_size;
+  double surface_window = 0.15;  // m, neighbours up to this far apart form a surface
   // m, beams that hit nothing show no free space beyond: a laser of a long range gives none for glass and black cloth
   double free_range = 20.0;
   // m from the laser, from which on what is hit counts as nothing: the map would grow to hold it

@@ -39,8 +39,8 @@ class Mode(Enum):
 class Navigator:
     """One robot. `name`: of two robots nose to nose the one whose name sorts later gives way."""
 
-    def __init__(self, options: Optional[NavigationOptions] = None, name: str = "robot", seed: int = 0) -> None:
-        self.options = options or NavigationOptions()
+    def __init__(self, options: NavigationOptions, name: str = "robot", seed: int = 0) -> None:
+        self.options = options
         self.name = name
         self.mode = Mode.DRIVE
         self._random = np.random.Generator(np.random.PCG64([seed, zlib.crc32(name.encode())]))

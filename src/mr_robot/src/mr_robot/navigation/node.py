@@ -4,7 +4,6 @@ import socket
 import sys
 import threading
 import traceback
-from dataclasses import fields
 from typing import Any, Dict, Optional, Union
 
 import rospy
@@ -27,6 +26,7 @@ from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
 from mr_robot.navigation.tf_poses import TfPoses, is_recent
 from mr_robot.parameter_names import DRIVERS, FRAMES, NAVIGATION
+from mr_robot.platforms.engines import defaults_of
 from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, topic_parameters, transform_pose
 
 TOPICS = {"others": "all_positions", "plan": "~plan"}
@@ -37,12 +37,12 @@ FEEDBACK_PERIOD = 0.5  # s
 
 def options() -> NavigationOptions:
     values: Dict[str, Union[float, bool]] = {}
-    for field in fields(NavigationOptions):
-        value = rospy.get_param("~" + field.name, field.default)
-        wanted = bool if isinstance(field.default, bool) else int if isinstance(field.default, int) else float
+    for name, usual in defaults_of(NavigationOptions).items():
+        value = rospy.get_param("~" + name, usual)
+        wanted = bool if isinstance(usual, bool) else float
         if isinstance(value, bool) != (wanted is bool) or not isinstance(value, (int, float)):
-            raise NavigationError(f"parameter ~{field.name} must be a {wanted.__name__}, not {value!r}")
-        values[field.name] = wanted(value)
+            raise NavigationError(f"parameter ~{name} must be a {wanted.__name__}, not {value!r}")
+        values[name] = wanted(value)
     return NavigationOptions(**values)  # type: ignore[arg-type]
 
 

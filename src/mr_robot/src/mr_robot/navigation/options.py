@@ -25,17 +25,19 @@ class NavigationError(ValueError):
 
 @dataclass(frozen=True)
 class NavigationOptions:
-    max_linear_velocity: float = 0.5  # m/s
-    max_angular_velocity: float = 1.57  # rad/s
-    linear_acceleration: float = 1.0  # m/s^2
-    angular_acceleration: float = 3.14  # rad/s^2
-    footprint_length: float = 0.44  # m, along the robot
-    footprint_width: float = 0.38
-    largest_robot_radius: float = 0.29  # m, from the centre of the largest robot of the team to its farthest corner
+    """What has no default follows from the robot: `mr_robot.platforms.engines`."""
+
+    max_linear_velocity: float  # m/s
+    max_angular_velocity: float  # rad/s
+    linear_acceleration: float  # m/s^2
+    angular_acceleration: float  # rad/s^2
+    footprint_length: float  # m, along the robot
+    footprint_width: float
+    largest_robot_radius: float  # m, from the centre of the largest robot of the team to its farthest corner
+    inflation_radius: float  # m from walls within which paths cost more
     obstacle_margin: float = 0.05  # m between footprint and what the laser sees
     moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
     moving_reaction_time: float = 0.25  # s of driving by which that margin grows
-    inflation_radius: float = 0.6  # m from walls within which paths cost more
     xy_goal_tolerance: float = 0.15  # m
     yaw_goal_tolerance: float = 6.3  # rad; pi or more = any heading
     goal_search_radius: float = 0.5  # m around a goal in a wall or in the unknown within which another is taken

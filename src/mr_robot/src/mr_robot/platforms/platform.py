@@ -53,8 +53,8 @@ class Drive:
 
     max_linear_velocity: float
     max_angular_velocity: float
-    linear_acceleration: float = 1.0
-    angular_acceleration: float = 3.14
+    linear_acceleration: float
+    angular_acceleration: float
 
 
 @dataclass(frozen=True)

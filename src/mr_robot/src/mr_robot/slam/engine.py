@@ -8,7 +8,7 @@ where they do not. The hot loops are C++ (`mr_robot._slam`).
 import math
 from bisect import bisect_left
 from collections import deque
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Deque, Optional, Tuple
 
 import numpy as np
@@ -122,16 +122,13 @@ class OdometryHistory:
 
 
 class Slam:
-    def __init__(self, options: Optional[SlamOptions] = None) -> None:
-        self.options = options or SlamOptions()
+    def __init__(self, options: SlamOptions) -> None:
+        self.options = options
         self._core = self._new_core()
         self.revision = 0  # counts changes of the map
 
     def _new_core(self) -> _slam.Slam:
-        options = _slam.SlamOptions()
-        for field in fields(self.options):
-            setattr(options, field.name, getattr(self.options, field.name))
-        return _slam.Slam(options)
+        return _slam.Slam(_slam.SlamOptions(**asdict(self.options)))
 
     def process(self, scan: LaserScan, odometry: Pose, time: float) -> SlamUpdate:
         """`odometry`: robot in the odometry frame at the first beam. `time`: s, of that; only differences

@@ -3,7 +3,6 @@
 import sys
 import threading
 from collections import deque
-from dataclasses import fields
 from typing import Any, Callable, Deque, Dict, Optional, TypeVar
 
 import rospy
@@ -17,6 +16,7 @@ from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
 from mr_grid.ros_laser import Mount, mount_value
 from mr_grid.ros_node import init_node, warn_of_unknown_parameters
 from mr_robot.parameter_names import FRAMES, SLAM, SLAM_INPUTS
+from mr_robot.platforms.engines import defaults_of
 from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, topic_parameters
 from mr_robot.slam import ros_io
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, OdometryHistory, Slam, SlamError, SlamOptions
@@ -40,8 +40,7 @@ def number_parameter(name: str, default: float, least: float = 0.0) -> float:
 
 
 def options() -> SlamOptions:
-    defaults = SlamOptions()
-    return SlamOptions(**{f.name: number_parameter(f.name, getattr(defaults, f.name)) for f in fields(defaults)})
+    return SlamOptions(**{name: number_parameter(name, usual) for name, usual in defaults_of(SlamOptions).items()})
 
 
 class SlamNode:

@@ -10,14 +10,15 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from mr_grid import Pose
+from mr_grid import Pose, normalized
+from mr_robot.platforms.platform import Drive
 from mr_sim.bodies import Polygon
 from mr_sim.raster import Grid, rasterise
+from mr_sim.simulated_platform import platform_of
 from mr_sim.world_description import WorldDescription
 
 CELL = 0.06  # m of the lattice, a multiple of the resolution of a world
 MARGIN = 0.01  # m around the footprint
-SPEED, TURN_RATE = 0.5, 1.57  # m/s, rad/s
 GOAL_REACH = 0.12
 _HALF = ((1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1))  # cells, of half a turn
 STEPS = (*_HALF, *((-x, -y) for x, y in _HALF))
@@ -33,6 +34,7 @@ class Reach:
     def __init__(self, world: WorldDescription) -> None:
         self._grid: Grid = rasterise(world.obstacles, world.resolution)
         self._polygons = world.robots[0].footprint
+        self.drive = platform_of(world.robots[0]).drive
         self._every = round(CELL / world.resolution)
         free = (self._grid.cells == 0).astype(np.uint8)
         self._room = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * world.resolution
@@ -66,16 +68,16 @@ class Reach:
             for dc in (-1, 0, 1):
                 r, c = row + dr, column + dc
                 if 0 <= r < field.shape[1] and 0 <= c < field.shape[2]:
-                    turns = [abs(math.remainder(start[2] - heading, 2.0 * math.pi)) for heading in HEADINGS]
+                    turns = [abs(normalized(start[2] - heading)) for heading in HEADINGS]
                     nearest = sorted(range(len(HEADINGS)), key=lambda k: turns[k])[:2]
-                    best = min([best, *(field[k, r, c] + turns[k] / TURN_RATE for k in nearest)])
+                    best = min([best, *(field[k, r, c] + turns[k] / self.drive.max_angular_velocity for k in nearest)])
         return float(best)
 
     def _from(self, goal: tuple[float, float]) -> np.ndarray:
         """Seconds (headings, rows, columns) to the goal."""
         free = self._free()
         if self._graph is None:
-            self._graph = _graph(free)
+            self._graph = _graph(free, self.drive)
         rows, columns = np.indices(free.shape[1:])
         x = self._grid.origin[0] + (columns + 0.5) * CELL
         y = self._grid.origin[1] + (rows + 0.5) * CELL
@@ -119,21 +121,21 @@ def _footprint_mask(polygons: tuple[Polygon, ...], heading: float, margin: float
     return (outside <= margin + resolution / 2.0).astype(np.uint8)
 
 
-def _graph(free: np.ndarray) -> coo_matrix:
+def _graph(free: np.ndarray, drive: Drive) -> coo_matrix:
     """Undirected, seconds: steps along the heading and turns to the next one."""
     numbers = np.arange(free.size).reshape(free.shape)
     edges: list[Edges] = []
     for k, (dx, dy) in enumerate(STEPS):
         following = (k + 1) % len(STEPS)
         both = free[k] & free[following]
-        turn = abs(math.remainder(HEADINGS[following] - HEADINGS[k], 2.0 * math.pi)) / TURN_RATE
+        turn = abs(normalized(HEADINGS[following] - HEADINGS[k])) / drive.max_angular_velocity
         _add(numbers[k][both], numbers[following][both], turn, edges)
         if k >= len(STEPS) // 2:
             continue  # the same steps backwards
         for layer in (k, k + len(STEPS) // 2):
             here, there = _shifted(free.shape[1:], dx, dy)
             both = free[layer][here] & free[layer][there]
-            seconds = CELL * math.hypot(dx, dy) / SPEED
+            seconds = CELL * math.hypot(dx, dy) / drive.max_linear_velocity
             _add(numbers[layer][here][both], numbers[layer][there][both], seconds, edges)
     shape = (free.size, free.size)
     starts, ends, weights = (np.concatenate(part) for part in zip(*edges))

@@ -4,10 +4,8 @@ import math
 from dataclasses import dataclass
 
 from mr_grid import Pose
-from mr_robot.navigation.options import NavigationOptions
 from mr_sim.closed_loop import ClosedLoop, Robot
 from mr_sim.nuisance.merged import MergedMap
-from mr_sim.nuisance.reach import SPEED
 from mr_sim.nuisance.scenes import Scene, draw
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
@@ -66,7 +64,7 @@ class _Errands:
         if self._robot.results:
             _, text = self._robot.results[-1]
             self._end(text == "succeeded", seconds, "" if text == "succeeded" else text)
-        elif seconds > PATIENCE + self._ideal * SPEED / SLOWEST:
+        elif seconds > PATIENCE + self._ideal * self._scene.reach.drive.max_linear_velocity / SLOWEST:
             self._end(False, seconds, "")
 
     def _end(self, reached: bool, seconds: float, why: str) -> None:
@@ -84,7 +82,8 @@ class _Errands:
         self._ideal = self._scene.reach.seconds(self._loop.world.pose(self._robot.index), goal)
         if not math.isfinite(self._ideal):
             # The goal before was reached in a pose between those of the lattice.
-            self._ideal = math.dist(self._loop.world.pose(self._robot.index)[:2], goal) / SPEED
+            way = math.dist(self._loop.world.pose(self._robot.index)[:2], goal)
+            self._ideal = way / self._scene.reach.drive.max_linear_velocity
         self._robot.results.clear()
         self._robot.navigator.set_goal(self._robot.local(Pose(*goal)), self._loop.world.time)
 
@@ -94,8 +93,8 @@ def run_seed(seed: int) -> SceneRun:
     return run(draw(seed, load_world(find_world(MODEL_WORLD)).robots[0]))
 
 
-def run(scene: Scene, options: NavigationOptions | None = None) -> SceneRun:
-    loop = ClosedLoop(scene.world, len(scene.goals), scene.seed, options)
+def run(scene: Scene) -> SceneRun:
+    loop = ClosedLoop(scene.world, len(scene.goals), scene.seed)
     merged = MergedMap(scene.world, scene.map_error)
     loop.merge = lambda robot, grid: merged.of(grid, robot.start)
     loop.share_positions = scene.hints
