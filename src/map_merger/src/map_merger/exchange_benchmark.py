@@ -18,7 +18,7 @@ from .effects import Send
 from .exchange import Exchange, bounds
 from .grid import known_box, offset_between
 from .messages import Anchor, Request, Tile
-from .options import Options
+from .options import options_of
 from .payload import Payload
 
 STEP_S = 0.1
@@ -163,7 +163,7 @@ def reconnect(seed: int, robots: int = 4, loss: float = 0.3, patience: float = 6
 
 
 def _exchange(name: str, boot: Tuple[int, int]) -> Exchange:
-    return Exchange(Options(name, debug=False, seconds_send_timer=int(PERIOD_S)), boot)
+    return Exchange(options_of({"debug": False, "seconds_send_timer": int(PERIOD_S)}, name), boot)
 
 
 def all_equal(team: LossyTeam, maps: Dict[str, OccupancyGrid]) -> bool:
@@ -202,7 +202,8 @@ def traffic(stages: Sequence[OccupancyGrid], split_size: int) -> Traffic:
     """One robot tells another the stages of its map, one each PERIOD_S, without losses. Anchors, requests and answers
     count; `whole` is the known box of each stage as one message."""
     names = ("robot_0", "robot_1")
-    options = [Options(name, debug=False, split_size=split_size, seconds_send_timer=int(PERIOD_S)) for name in names]
+    given = {"debug": False, "split_size": split_size, "seconds_send_timer": int(PERIOD_S)}
+    options = [options_of(given, name) for name in names]
     team = LossyTeam(
         {each.robot_name: Exchange(each, (1, number)) for number, each in enumerate(options)}, np.random.default_rng(0)
     )

@@ -16,6 +16,7 @@ from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose, valu
 
 from .global_map import GlobalMap, Policy
 from .grid import Box, free_cells, occupied_cells
+from .robot_size import USUAL_SIZE
 from .synthetic import FloorPlan, RobotMap, Survey, Surveyor, office_plan
 
 Row = Dict[str, Any]
@@ -46,7 +47,7 @@ def timing_rows(robots: int, edge: int, updates: int, seed: int, command: str) -
     """Updates of one tile of 32 x 32 cells, message included, in a team whose maps of `edge` x `edge` cells overlap."""
     random = np.random.default_rng(seed)
     plan = large_map(random, edge)
-    merged = GlobalMap("robot_0")
+    merged = GlobalMap("robot_0", USUAL_SIZE)
     merged.set_local(plan)
     transforms = [Pose(*(random.normal(0.0, (0.5, 0.5, 0.05)).tolist())) for _ in range(robots - 1)]
     maps = [OccupancyGrid(plan.info, plan.cells.copy()) for _ in transforms]
@@ -154,7 +155,7 @@ def synthetic_team(random: np.random.Generator) -> Team:
 
 def merged_map(team: Team, policy: Policy) -> OccupancyGrid:
     """The global map of the first robot."""
-    merged = GlobalMap("0", policy)
+    merged = GlobalMap("0", USUAL_SIZE, policy)
     merged.set_local(team.robots[0].grid)
     for number, (robot, transform) in enumerate(zip(team.robots, team.transforms)):
         if number:

@@ -45,7 +45,7 @@ class Update(NamedTuple):
 class GlobalMap:
     """The maps, transforms and tracks of a team as one map. Grids that are passed in may not be changed afterwards."""
 
-    def __init__(self, name: str, policy: Policy = Policy.STRICT, size: RobotSize = USUAL_SIZE) -> None:
+    def __init__(self, name: str, size: RobotSize, policy: Policy = Policy.STRICT) -> None:
         """`name`: the robot whose map the local one is. `size`: of the robots of the team."""
         self._name, self._policy, self._size = name, policy, size
         self._local: Optional[OccupancyGrid] = None
@@ -215,7 +215,7 @@ def _apart(before: GridInfo, after: GridInfo, shift: Tuple[int, int]) -> bool:
 def merged(local: OccupancyGrid, others: Sequence[Tuple[OccupancyGrid, Pose]]) -> OccupancyGrid:
     """All maps as one in the frame and on the lattice of the local one, by evidence; `others` with their transforms to
     the local frame."""
-    together = GlobalMap("", Policy.EVIDENCE)
+    together = GlobalMap("", USUAL_SIZE, Policy.EVIDENCE)
     together.set_local(local)
     for number, (grid, transform) in enumerate(others):
         together.set_layer(f"{number:06d}", grid, 0, transform)

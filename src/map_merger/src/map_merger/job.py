@@ -29,7 +29,7 @@ from .registration import (
     judge,
     judge_kept,
 )
-from .robot_size import USUAL_SIZE, RobotSize
+from .robot_size import RobotSize
 from .search import same_place
 from .sighting import SIGHTINGS_NEEDED, Sighting, moved, nowhere, places_seen
 from .surface import Landmarks, landmarks_of, without_places
@@ -61,7 +61,7 @@ class Member(NamedTuple):
 class LandmarkCache:
     """Landmarks of the most recently used maps, bounded in number and in cells. Used by one job at a time."""
 
-    def __init__(self, size: RobotSize = USUAL_SIZE) -> None:
+    def __init__(self, size: RobotSize) -> None:
         """`size`: of the robots of the team."""
         self._mover = size.mover
         self._known: OrderedDict[Hashable, Landmarks] = OrderedDict()
@@ -95,6 +95,8 @@ class Job:
     limits: Limits
     method: str
     cache: LandmarkCache
+    size: RobotSize
+    """Of the robots of the team."""
     target_track: np.ndarray = field(default_factory=nowhere)
     source_track: np.ndarray = field(default_factory=nowhere)
     """Where and when the robots of both maps have been, each (n, 3: x, y, time) in the frame of its own map."""
@@ -111,8 +113,6 @@ class Job:
     """False: nothing but the meeting is looked at."""
     suggested: Optional[Pose] = None
     """What the last search found, if the walls have nothing against it."""
-    size: RobotSize = USUAL_SIZE
-    """Of the robots of the team."""
 
     def run(self) -> Registration:
         """The outcome; for a followed transform the verdict says whether it may be kept."""

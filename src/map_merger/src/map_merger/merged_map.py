@@ -27,7 +27,7 @@ class MergedMap:
         self._foreign_timer = Timer(options.seconds_pub_timer, options.seconds_pub_timer)
         self._local_timer = Timer(SHORTEST_PUBLISH_S)
         self._size = options.robot_size
-        self._map = GlobalMap(self._name, self._policy, self._size)
+        self._map = GlobalMap(self._name, self._size, self._policy)
         self._drawn: Set[str] = set()
         self._placed: Set[str] = set()  # of whose ways obstacles are erased
         self._version = -1
@@ -37,7 +37,7 @@ class MergedMap:
 
     def forget(self) -> None:
         """The own frame is a new one."""
-        self._map = GlobalMap(self._name, self._policy, self._size)
+        self._map = GlobalMap(self._name, self._size, self._policy)
         self._drawn, self._placed, self._version, self.grid = set(), set(), -1, None
 
     def step(

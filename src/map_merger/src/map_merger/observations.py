@@ -24,7 +24,7 @@ class Observations:
         self._seen_version = reference.version
         self.whereabouts = Whereabouts()
         self.sightings = MapSightings()
-        self.meetings = Meetings(options.robot_name, boot, options.robot_size)
+        self.meetings = Meetings(options.robot_name, options.robot_size, boot)
 
     def on_own_pose(self, pose: Pose, now: float) -> None:
         """The own robot's pose in the own map frame."""

@@ -10,7 +10,7 @@ from mr_grid.by_place import PlaceError, names_a_place
 
 from .messages import NO_BOOT, Boot
 from .methods import METHODS, method_of
-from .robot_size import RobotSize
+from .robot_size import USUAL_SIZE, RobotSize
 
 
 class OptionError(ValueError):
@@ -55,14 +55,16 @@ PARAMETERS: Dict[str, Parameter] = {
     "registration": Parameter(str, "correlation", choices=METHODS),
     "initial_poses": Parameter(dict, {}),
     "scan_topic": Parameter(str, ""),
-    "body_radius": Parameter(float, 0.2, least=0.02, most=2.0),
-    "largest_robot_radius": Parameter(float, 0.29, least=0.02, most=5.0),
+    "body_radius": Parameter(float, USUAL_SIZE.body_radius, least=0.02, most=2.0),
+    "largest_robot_radius": Parameter(float, USUAL_SIZE.largest_radius, least=0.02, most=5.0),
     "local_priority": Parameter(str, "evidence", choices=("strict", "evidence")),
     "topology": Parameter(str, "distributed", choices=("distributed", "centralized")),
     "base_station": Parameter(str, ""),
     "run": Parameter(str, ""),
 }
 """Every parameter of the node."""
+
+OF_THE_TEAM = ("body_radius", "largest_robot_radius")
 
 WITHOUT_EFFECT: Dict[str, str] = {
     "local_map_metadata_topic": "the geometry is taken from every map itself, so a map may grow",
@@ -83,9 +85,12 @@ NOT_EMPTY = (
 @dataclass(frozen=True)
 class Options:
     """Checked parameters, with the names of PARAMETERS. Seconds, cells (max_trans_robots) and degrees as in the
-    contract."""
+    contract. What has no default follows from the robots; `options_of` takes usual ones where nobody says what they
+    are."""
 
     robot_name: str
+    body_radius: float
+    largest_robot_radius: float
     robot_prefix: str = ""
     local_map_frame_id: str = "map"
     local_map_topic: str = "/map"
@@ -111,8 +116,6 @@ class Options:
     registration: str = "correlation"
     initial_poses: Mapping[str, Pose] = field(default_factory=dict)
     scan_topic: str = ""
-    body_radius: float = 0.2
-    largest_robot_radius: float = 0.29
     local_priority: str = "evidence"
     topology: str = "distributed"
     base_station: str = ""
@@ -146,6 +149,8 @@ def options_of(given: Mapping[str, Any], host_name: str) -> Options:
         raise OptionError(f"parameter {unknown[0]} is not known")
     values = {name: _checked(name, given[name]) for name in PARAMETERS if name in given}
     values["robot_name"] = values.get("robot_name") or host_name
+    for name in OF_THE_TEAM:
+        values.setdefault(name, PARAMETERS[name].default)
     for name in ("robot_name", "base_station"):
         if "/" in values.get(name, ""):
             raise OptionError(f"parameter {name} must not contain a slash: {values[name]!r}")

@@ -9,6 +9,7 @@ from .global_map import GlobalMap
 from .one_shot import confidence_in, criteria_for, decide
 from .reasons import reason_of
 from .registration import DEFAULT_CRITERIA, Registration
+from .robot_size import USUAL_SIZE
 from .surface import Landmarks, landmarks_of
 
 CONTRADICTING_TEAM = 1.5 * DEFAULT_CRITERIA.conflict
@@ -41,7 +42,7 @@ def place(maps: Sequence[OccupancyGrid]) -> Placement:
 
 def merged(maps: Sequence[OccupancyGrid], placed: Dict[int, Placed]) -> OccupancyGrid:
     """The placed maps on the lattice of the first one."""
-    whole = GlobalMap("0")
+    whole = GlobalMap("0", USUAL_SIZE)
     whole.set_local(maps[0])
     for number in sorted(placed):
         whole.set_layer(str(number), maps[number], 0, placed[number].transform)

@@ -15,7 +15,7 @@ from mr_grid import Pose, values_at
 from .meetings import Sightings
 from .meetings.identity import is_empty, who_moves_alike, who_was_there
 from .meetings.tracking import at_times
-from .robot_size import USUAL_SIZE, RobotSize
+from .robot_size import RobotSize
 from .surface import Landmarks
 
 _ALIKE_M = 0.1
@@ -62,7 +62,7 @@ def is_refuted(sightings: Sightings, transform: Pose) -> bool:
     return is_empty(sightings.sweeps, turn * told + shift, known)
 
 
-def presence_of(sightings: Sightings, viewer: Landmarks, transform: Pose, size: RobotSize = USUAL_SIZE) -> Presence:
+def presence_of(sightings: Sightings, viewer: Landmarks, transform: Pose, size: RobotSize) -> Presence:
     """What the own sweeps, in the map frame of `viewer`, show where the other robot was by `transform` (its frame to
     the own one). Where a further robot was that is placed says nothing."""
     sweeps = sightings.sweeps

@@ -154,6 +154,7 @@ class Registrar:
             self._limits(team.target.grid.info.resolution),
             self._options.registration,
             self._cache,
+            self._options.robot_size,
             (self._whereabouts.own_track if team.base is None else self._whereabouts.track(team.base)).timed_points(),
             self._whereabouts.track(robot).timed_points(),
             others,
@@ -161,7 +162,6 @@ class Registrar:
             seen,
             saw,
             suggested=self.alignment(robot).suggested,
-            size=self._options.robot_size,
         )
 
     def _members(self, robot: str, team: Team) -> Tuple[Member, ...]:

@@ -11,8 +11,8 @@ class RobotSize:
     """body_radius: m, half the depth of a robot's body. largest_radius: m, from the centre of the largest robot of the
     team to its farthest corner."""
 
-    body_radius: float = 0.2
-    largest_radius: float = 0.29
+    body_radius: float
+    largest_radius: float
 
     @property
     def inner(self) -> float:
@@ -66,5 +66,5 @@ class RobotSize:
         return round(2.0 * self.largest_radius + more, 3)
 
 
-USUAL_SIZE = RobotSize()
-"""Where nothing else is said."""
+USUAL_SIZE = RobotSize(body_radius=0.2, largest_radius=0.29)
+"""What the node takes where its parameters do not tell, and who reads maps of robots that nobody described."""

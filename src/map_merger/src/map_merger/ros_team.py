@@ -59,9 +59,9 @@ def track_report_of(message: RobotTrack) -> TrackReport:
     try:
         return TrackReport(
             message.robot,
+            message.body_radius,
             (message.boot.secs, message.boot.nsecs),
             message.uptime,
-            message.body_radius,
             Sensor(message.view, message.nearest, message.farthest),
             np.column_stack([rows[:count], np.array(message.yaw, float) / _YAW_STEPS]),
             tuple(ToldObject(number, part) for number, part in zip(message.objects, parts)),

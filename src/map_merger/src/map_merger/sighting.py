@@ -14,7 +14,7 @@ import numpy as np
 from mr_grid import UNKNOWN, OccupancyGrid, Pose, values_at
 
 from .grid import OCCUPIED_FROM, occupied_cells
-from .robot_size import USUAL_SIZE, RobotSize
+from .robot_size import RobotSize
 
 LONGEST_LAG_S = 2.0
 """A place and an own map belong together if they are at most so many seconds apart."""
@@ -100,7 +100,7 @@ def places_seen(
     track: np.ndarray,
     transform: Pose,
     others: np.ndarray,
-    size: RobotSize = USUAL_SIZE,
+    size: RobotSize,
 ) -> int:
     """At how many places, `size.left` apart, a view shows the other robot where it said it was, and the map shows that
     place empty now that the robot has left it.

@@ -14,7 +14,7 @@ from mr_grid.imaging import eroded
 
 from ._surfaces import SurfaceIndex, border, walls, without_discs
 from .grid import cropped, free_cells, known_box
-from .robot_size import USUAL_SIZE
+from .robot_size import LARGEST_PERSON_M
 
 NORMAL_WEIGHT = 0.3
 """Metres that a unit difference of the normals counts in a search for the nearest surface."""
@@ -86,7 +86,7 @@ def without_places(landmarks: Landmarks, places: np.ndarray, reach: float) -> La
     return replace(landmarks, clear=without_discs(landmarks.clear, cells, radius))
 
 
-def landmarks_of(grid: OccupancyGrid, mover: float = USUAL_SIZE.mover) -> Landmarks:
+def landmarks_of(grid: OccupancyGrid, mover: float = LARGEST_PERSON_M) -> Landmarks:
     """Landmarks of a map; a map without obstacles has an empty surface. Obstacles of up to `mover` m are no walls."""
     around = known_box(grid)
     if around.empty:

@@ -7,7 +7,7 @@ import numpy as np
 
 from map_merger.meetings.meetings import Meetings
 from map_merger.meetings.values import Hypothesis, LaserScan, TrackReport
-from map_merger.robot_size import RobotSize
+from map_merger.robot_size import USUAL_SIZE, RobotSize
 from mr_grid import Pose
 
 Way = Callable[[float], Pose]
@@ -84,7 +84,10 @@ class Scene:
         self.robots, self.walls, self.others = list(robots), list(walls), list(others)
         self.random = np.random.default_rng(seed)
         self.loss, self.late, self.worlds = loss, late, worlds or {}
-        self.meetings = {robot.name: Meetings(robot.name, robot.boot, RobotSize(BODY_M)) for robot in robots}
+        self.meetings = {
+            robot.name: Meetings(robot.name, RobotSize(BODY_M, USUAL_SIZE.largest_radius), robot.boot)
+            for robot in robots
+        }
         self.jumps = jumps or {}
         self.waiting: List[Tuple[float, int, str, TrackReport]] = []
         self.reports: List[Tuple[float, TrackReport]] = []

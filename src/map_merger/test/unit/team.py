@@ -20,6 +20,7 @@ from map_merger.effects import (
 )
 from map_merger.messages import Tile
 from map_merger.options import Options
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.synthetic import Survey, Surveyor, office_plan
 
 STEP_S = 0.25
@@ -27,7 +28,15 @@ STEP_S = 0.25
 
 def options(name, **changes):
     """Options of a robot that accepts every rotation."""
-    values = dict(robot_name=name, max_rotation_robots=-1.0, exchange_position=True, split_size=2048, debug=False)
+    values = dict(
+        robot_name=name,
+        body_radius=USUAL_SIZE.body_radius,
+        largest_robot_radius=USUAL_SIZE.largest_radius,
+        max_rotation_robots=-1.0,
+        exchange_position=True,
+        split_size=2048,
+        debug=False,
+    )
     values.update(changes)
     return Options(**values)
 

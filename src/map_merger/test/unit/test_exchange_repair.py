@@ -10,14 +10,14 @@ from map_merger.effects import DELIVERED, Note, Outcome, Purpose, Send
 from map_merger.exchange import Exchange, bounds
 from map_merger.exchange_benchmark import reconnect
 from map_merger.messages import NO_BOOT, Anchor, Request, Tile
-from map_merger.options import Options
+from map_merger.options import options_of
 from mr_grid import UNKNOWN, GridInfo, OccupancyGrid
 
 INFO = GridInfo(0, 0, 0.05)
 
 
 def exchange_of(name="robot_0", boot=(1, 0), **changes):
-    return Exchange(Options(name, **{"debug": False, **changes}), boot)
+    return Exchange(options_of({"debug": False, **changes}, name), boot)
 
 
 def square(size=20, value=0):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from map_merger import fusion_benchmark, global_map, weighing
 from map_merger.global_map import GlobalMap, Policy
 from map_merger.grid import Box, cropped, free_cells, full_box, occupied_cells, offset_between, window
+from map_merger.robot_size import USUAL_SIZE
 from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
 RESOLUTION = 0.05
@@ -36,7 +37,7 @@ def grid_like(cells, x=0.0, y=0.0):
 
 def merged(local, *others, policy=Policy.STRICT, places=()):
     """The rendered map of a local map and (grid, transform) of others, named a, b, ...; `places`: (name, points)."""
-    fusion = GlobalMap("own", policy)
+    fusion = GlobalMap("own", USUAL_SIZE, policy)
     fusion.set_local(local)
     for number, (grid, transform) in enumerate(others):
         fusion.set_layer("abcdefgh"[number], grid, 0, transform)
@@ -65,7 +66,7 @@ def passable(grid, begin, end):
 @pytest.mark.parametrize("jump", [20000.0, 20000.02])
 def test_a_local_map_that_jumps_far_away_is_drawn_anew(jump):
     """The cells between were read as well: 150 GB."""
-    fusion = GlobalMap("own", Policy.EVIDENCE)
+    fusion = GlobalMap("own", USUAL_SIZE, Policy.EVIDENCE)
     fusion.set_local(room())
     fusion.set_layer("a", room(), 0, Pose(0.5, 0.0, 0.0))
     fusion.render()
@@ -87,7 +88,7 @@ def pseudo_frontier(grid):
 @pytest.mark.parametrize("policy", POLICIES)
 def test_alone_it_is_the_local_map(policy):
     local = room()
-    fusion = GlobalMap("own", policy)
+    fusion = GlobalMap("own", USUAL_SIZE, policy)
     assert fusion.render() is None
     fusion.set_local(local)
     update = fusion.render()
@@ -99,7 +100,7 @@ def test_alone_it_is_the_local_map(policy):
 
 
 def test_nothing_is_returned_where_nothing_changed():
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(room())
     fusion.set_layer("a", room(x=1.0), 1, Pose(0.4, 0.3, 0.2))
     fusion.set_places("a", np.array([[1.0, 1.0], [1.5, 1.0]]))
@@ -112,7 +113,7 @@ def test_nothing_is_returned_where_nothing_changed():
 
 
 def test_a_small_refinement_redraws_nothing_and_a_larger_one_does():
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(unknown())
     fusion.set_layer("a", room(), 1, Pose(0.024, 0.0, 0.0))
     before = fusion.render().grid
@@ -123,7 +124,7 @@ def test_a_small_refinement_redraws_nothing_and_a_larger_one_does():
 
 
 def test_published_maps_are_not_changed_afterwards():
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(room())
     published = fusion.render().grid
     copy = published.cells.copy()
@@ -135,7 +136,7 @@ def test_published_maps_are_not_changed_afterwards():
 
 
 def test_a_removed_layer_leaves_nothing():
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(room())
     before = fusion.render().grid
     fusion.set_layer("a", room(), 0, Pose(1.0, 1.0, 0.5))
@@ -149,7 +150,7 @@ def test_a_removed_layer_leaves_nothing():
 
 def test_layers_with_which_the_map_would_be_too_large_are_left_out(monkeypatch):
     monkeypatch.setattr(global_map, "MOST_GLOBAL_CELLS", 100 * 100)
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(room())
     fusion.set_layer("far", room(), 0, Pose(90.0, 0.0, 0.0))
     fusion.set_layer("near", room(), 0, Pose(1.0, 0.0, 0.0))
@@ -163,7 +164,7 @@ def test_layers_with_which_the_map_would_be_too_large_are_left_out(monkeypatch):
 def test_a_coarse_map_of_a_large_place_is_left_out_before_it_is_drawn(monkeypatch):
     monkeypatch.setattr(global_map, "MOST_GLOBAL_CELLS", 100 * 100)
     coarse = OccupancyGrid(GridInfo(500, 500, 100.0), np.zeros((500, 500), np.int8))
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(room())
     fusion.set_layer("coarse", coarse, 0, Pose(0.0, 0.0, 0.5))
     assert fusion.render().grid.info == room().info
@@ -174,7 +175,7 @@ def test_a_coarse_map_of_a_large_place_is_left_out_before_it_is_drawn(monkeypatc
 
 
 def test_bad_calls_are_refused():
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     with pytest.raises(ValueError, match="own is the local one"):
         fusion.set_layer("own", room(), 0, Pose())
     for places in (np.zeros((2, 3)), np.array([[0.0, math.nan]])):
@@ -511,7 +512,7 @@ def last_state(calls):
 def test_step_by_step_or_at_once_in_any_order_the_map_is_the_same(policy, seed, spread):
     random = np.random.default_rng(seed)
     calls = operations(random, 25, spread)
-    stepwise, shown = GlobalMap("own", policy), None
+    stepwise, shown = GlobalMap("own", USUAL_SIZE, policy), None
     for method, arguments in calls:
         getattr(stepwise, method)(*arguments)
         update = stepwise.render() if random.random() < 0.5 else None
@@ -524,7 +525,7 @@ def test_step_by_step_or_at_once_in_any_order_the_map_is_the_same(policy, seed, 
     last = stepwise.render()
     shown = shown if last is None else last.grid
     state = last_state(calls)
-    at_once = GlobalMap("own", policy)
+    at_once = GlobalMap("own", USUAL_SIZE, policy)
     for number in random.permutation(len(state)):
         getattr(at_once, state[number][0])(*state[number][1])
     expected = at_once.render().grid
@@ -538,7 +539,7 @@ def test_one_changed_tile_computes_the_tiles_around_it_only(monkeypatch):
     monkeypatch.setattr(
         weighing, "weighed", lambda local, *others: computed.append(local.size) or weigh(local, *others)
     )
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(unknown(1200, 1200))
     fusion.set_layer("a", room(1200, 1200), 0, Pose(0.1, 0.1, 0.1))
     fusion.render()
@@ -553,7 +554,7 @@ def test_one_changed_tile_computes_the_tiles_around_it_only(monkeypatch):
 
 def test_maps_that_know_nothing_near_a_change_cost_nothing(monkeypatch):
     """Each map of a large team made a change reach further, and all that far was computed."""
-    fusion, computed = GlobalMap("own"), []
+    fusion, computed = GlobalMap("own", USUAL_SIZE), []
     fusion.set_local(unknown(1200, 1200))
     fusion.set_layer("a", room(), 0, Pose())
     for number in range(14):
@@ -572,7 +573,7 @@ def test_maps_that_know_nothing_near_a_change_cost_nothing(monkeypatch):
 
 def test_a_map_that_never_saw_its_robot_costs_nothing(monkeypatch):
     """Places come several times a second; where nothing stands they change nothing, and nothing is computed."""
-    fusion = GlobalMap("own")
+    fusion = GlobalMap("own", USUAL_SIZE)
     fusion.set_local(room())
     fusion.set_layer("a", room(), 0, Pose())
     fusion.render()

@@ -11,7 +11,7 @@ from map_merger.effects import DELIVERED, Purpose, Send
 from map_merger.exchange import Exchange, bounds
 from map_merger.exchange.holding import Holding
 from map_merger.messages import Tile
-from map_merger.options import Options
+from map_merger.options import options_of
 from mr_grid import GridInfo, OccupancyGrid
 
 KNOWN = 10_000
@@ -83,7 +83,7 @@ def told_tiles(exchange, begin, end):
 
 
 def exchange_with_marginal_news():
-    exchange = Exchange(Options("robot_0", debug=False, seconds_send_timer=1), (1, 0))
+    exchange = Exchange(options_of({"debug": False, "seconds_send_timer": 1}, "robot_0"), (1, 0))
     exchange.on_robot("robot_1", 0.0)
     exchange.on_local_map(grid())
     assert len(told_tiles(exchange, 0.0, 1.0)) == 1

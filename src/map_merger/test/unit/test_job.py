@@ -12,6 +12,7 @@ from map_merger.evidence import compare
 from map_merger.job import Job, LandmarkCache, Versioned
 from map_merger.reasons import reason_of
 from map_merger.registration import DEFAULT_CRITERIA, STRONG_CRITERIA, Limits, Registration, Verdict, register
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.sighting import Sighting, view_of
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
@@ -29,7 +30,8 @@ def job(target, source, current=None, **more):
         None,
         Limits(),
         "correlation",
-        LandmarkCache(),
+        LandmarkCache(USUAL_SIZE),
+        USUAL_SIZE,
         **more,
     )
 

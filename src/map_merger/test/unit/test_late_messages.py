@@ -9,6 +9,7 @@ from map_merger.covariance import as_covariance
 from map_merger.graph.edges import Edge, EdgeReport
 from map_merger.meetings import TrackReport
 from map_merger.messages import LONGEST_DELAY_S, Anchor, Position
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.told_runs import ToldRuns
 from mr_grid import GridInfo, Pose
 
@@ -48,9 +49,9 @@ def test_a_late_track_of_a_former_run_is_ignored():
     """With the restart it was forgotten that the run was over."""
     agent = restarted()
     poses = np.array([[0.2, 1.0, 1.0, 0.0], [0.0, 1.1, 1.0, 0.0]])
-    agent.on_track(TrackReport("robot_1", FORMER, 90.0, poses=poses), 110.6)
+    agent.on_track(TrackReport("robot_1", USUAL_SIZE.body_radius, FORMER, 90.0, poses=poses), 110.6)
     assert agent._observations.meetings.why("robot_1") == "robot_1 does not tell its track"
-    agent.on_track(TrackReport("robot_1", PRESENT, 0.3, poses=poses), 110.8)
+    agent.on_track(TrackReport("robot_1", USUAL_SIZE.body_radius, PRESENT, 0.3, poses=poses), 110.8)
     assert agent._observations.meetings.why("robot_1") != "robot_1 does not tell its track"
 
 

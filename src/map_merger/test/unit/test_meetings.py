@@ -10,6 +10,7 @@ from meeting_scene import NARROW, Actor, Scene, driving, room, standing
 from map_merger.meetings.doubts import rival_of
 from map_merger.meetings.meetings import Meetings
 from map_merger.meetings.values import MOST_OBJECTS, MOST_POSES, MOST_SAMPLES, ToldObject, TrackReport
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.transform import displacement, rotation_between
 from mr_grid import GridInfo, OccupancyGrid, Pose
 
@@ -248,9 +249,9 @@ def test_a_late_report_of_a_former_run_changes_nothing():
     """It pushed out what the present run had told."""
 
     def report(boot, uptime, x):
-        return TrackReport("b", boot, uptime, poses=np.array([[0.0, x, 0.0, 0.0]]))
+        return TrackReport("b", USUAL_SIZE.body_radius, boot, uptime, poses=np.array([[0.0, x, 0.0, 0.0]]))
 
-    meetings = Meetings("a", (1, 0))
+    meetings = Meetings("a", USUAL_SIZE, (1, 0))
     meetings.on_own_pose(Pose(), 99.0)
     late = report((1, 1), 50.0, 3.0)
     for told, now in ((late, 100.0), (report((2, 1), 1.0, 5.0), 101.0), (late, 101.5)):
@@ -271,23 +272,23 @@ def test_a_clock_that_jumps_back_begins_anew_and_meets_again():
 
 
 def test_who_is_placed_everywhere_neither_tells_nor_watches():
-    meetings = Meetings("a")
+    meetings = Meetings("a", USUAL_SIZE)
     meetings.on_own_pose(Pose(), 0.0)
     meetings.on_team({"b"}, {})
     assert meetings.watching and meetings.report(0.0).unplaced == ("b",)
     meetings.on_team({"b"}, {"b": Pose()})
     assert not meetings.watching and meetings.report(10.0) is None
-    meetings.on_report(TrackReport("b", unplaced=("a",)), 10.0)
+    meetings.on_report(TrackReport("b", USUAL_SIZE.body_radius, unplaced=("a",)), 10.0)
     assert meetings.watching and meetings.report(10.0).unplaced == ()
-    meetings.on_report(TrackReport("b", uptime=1.0), 11.0)
+    meetings.on_report(TrackReport("b", USUAL_SIZE.body_radius, uptime=1.0), 11.0)
     assert not meetings.watching
 
 
 def test_the_last_word_of_a_robot_that_fell_silent_does_not_keep_the_others_watching():
     """Who has placed everybody tells nothing any more, and what it told last was that it had not."""
-    meetings = Meetings("a")
+    meetings = Meetings("a", USUAL_SIZE)
     meetings.on_own_pose(Pose(), 0.0)
-    meetings.on_report(TrackReport("b", uptime=1.0, unplaced=("c",)), 1.0)
+    meetings.on_report(TrackReport("b", USUAL_SIZE.body_radius, uptime=1.0, unplaced=("c",)), 1.0)
     assert meetings.report(5.0) is not None
     assert meetings.report(10.0) is None
     assert not meetings.watching
@@ -312,7 +313,7 @@ def test_everything_that_is_kept_or_told_is_bounded():
         assert all(len(each.samples) <= MOST_SAMPLES for each in report.objects)
     meetings = scene.meetings["a"]
     for number in range(500):
-        meetings.on_report(TrackReport(f"robot_{number}", uptime=1.0), scene.time)
+        meetings.on_report(TrackReport(f"robot_{number}", USUAL_SIZE.body_radius, uptime=1.0), scene.time)
     sightings = meetings.sightings("robot_499", scene.time)
     assert len(sightings.others) <= 64 and meetings.sightings("robot_0", scene.time) is None
     assert len(sightings.objects) <= 40 and len(sightings.own) <= 300 and len(sightings.sweeps.times) <= 120
@@ -334,7 +335,7 @@ def test_everything_that_is_kept_or_told_is_bounded():
 )
 def test_a_report_that_cannot_be_used_is_refused(fields):
     with pytest.raises(ValueError, match="track"):
-        TrackReport(**{"robot": "b", **fields})
+        TrackReport(**{"robot": "b", "body_radius": USUAL_SIZE.body_radius, **fields})
 
 
 def test_a_rival_is_a_transform_for_which_nearly_as_much_speaks():
@@ -348,7 +349,7 @@ def test_a_rival_is_a_transform_for_which_nearly_as_much_speaks():
 def test_without_a_laser_a_robot_is_found_in_the_maps():
     """Drawn as a map shows it: where the robot is now."""
     way = driving(1.0, -1.0, 0.5, 0.3, turn=weave())
-    watcher, driver = Meetings("a", (1, 0)), Meetings("b", (1, 1))
+    watcher, driver = Meetings("a", USUAL_SIZE, (1, 0)), Meetings("b", USUAL_SIZE, (1, 1))
     info = GridInfo(160, 160, 0.05, Pose(-4.0, -4.0))
     rows, columns = np.mgrid[:160, :160]
     for step in range(1, 150):
@@ -373,7 +374,7 @@ def test_for_a_base_station_its_reference_robot_sees():
     """It neither drives nor looks: what two robots tell of themselves and of one another has to do."""
     robots = [Actor("a", driving(-3.0, 0.0, turn=weave())), Actor("b", driving(-1.0, -1.0, 0.3, turn=weave()))]
     scene = Scene([*robots, Actor("c", standing(2.0, 1.5, 1.0))], WALLS).run(10.0)
-    base = Meetings("base")
+    base = Meetings("base", USUAL_SIZE)
     for time, report in scene.reports:
         base.on_report(report, time + 100.0)
     base.on_team({"a", "b", "c"}, {})

@@ -10,6 +10,7 @@ pytest.importorskip("rospy")
 pytest.importorskip("map_merger.msg")
 
 from map_merger.meetings.values import Sensor, ToldObject, TrackReport
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.ros_team import MessageError, robot_track_message, track_report_of
 
 
@@ -26,7 +27,7 @@ def some_report(poses=8, objects=3, places=4):
     ages, beside = np.linspace(1.0, 0.0, places), 500.0 + random.random(places)
     seen = [ToldObject(7 + k, np.column_stack([ages, beside, random.random(places)])) for k in range(objects)]
     sensor = Sensor(math.radians(270.0), 0.0, 8.0)
-    return TrackReport("robot_1", (12, 34), 5678.25, 0.2, sensor, way, tuple(seen), ("robot_2",))
+    return TrackReport("robot_1", 0.2, (12, 34), 5678.25, sensor, way, tuple(seen), ("robot_2",))
 
 
 def test_a_track_arrives_as_it_was_told_to_the_millimetre():
@@ -42,12 +43,14 @@ def test_a_track_arrives_as_it_was_told_to_the_millimetre():
 
 
 def test_a_track_of_nothing_arrives():
-    arrived = track_report_of(travelled(TrackReport("robot_1"))[0])
+    arrived = track_report_of(travelled(TrackReport("robot_1", USUAL_SIZE.body_radius))[0])
     assert arrived.poses.shape == (0, 4) and arrived.objects == ()
 
 
 def test_places_beyond_reach_are_left_out():
-    report = TrackReport("robot_1", poses=np.array([[1.0, 900.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]]))
+    report = TrackReport(
+        "robot_1", USUAL_SIZE.body_radius, poses=np.array([[1.0, 900.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]])
+    )
     assert len(track_report_of(travelled(report)[0]).poses) == 1
 
 

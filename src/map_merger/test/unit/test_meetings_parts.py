@@ -15,7 +15,7 @@ from map_merger.meetings.map_objects import objects_in_map
 from map_merger.meetings.sweeps import SweepHistory
 from map_merger.meetings.tracking import ObjectTracks, Trail, at_times
 from map_merger.meetings.values import LaserScan, TrackReport
-from map_merger.robot_size import RobotSize
+from map_merger.robot_size import USUAL_SIZE
 from mr_grid import GridInfo, OccupancyGrid, Pose
 
 
@@ -26,22 +26,22 @@ def scan_of(others, walls=(), view=WIDE):
 
 @pytest.mark.parametrize(("x", "y"), [(0.8, 0.0), (2.0, 1.0), (-0.5, 2.0), (4.0, -2.0)])
 def test_the_centre_of_a_body_is_found_behind_its_surface(x, y):
-    centres = objects_in_scan(scan_of([standing(x, y)], room(14.0, 11.0)), RobotSize()).centres
+    centres = objects_in_scan(scan_of([standing(x, y)], room(14.0, 11.0)), USUAL_SIZE).centres
     assert len(centres) == 1
     assert math.hypot(*(centres[0] - (x, y))) < 0.08
 
 
 def test_walls_their_corners_and_what_is_too_wide_or_far_are_no_objects():
     table = [standing(1.5, 0.3 * step - 0.6) for step in range(5)]
-    assert len(objects_in_scan(scan_of([], room(14.0, 11.0)), RobotSize()).centres) == 0
-    assert len(objects_in_scan(scan_of(table, room(14.0, 11.0)), RobotSize()).centres) == 0
-    assert len(objects_in_scan(scan_of([standing(7.0, 0.0)]), RobotSize()).centres) == 0
+    assert len(objects_in_scan(scan_of([], room(14.0, 11.0)), USUAL_SIZE).centres) == 0
+    assert len(objects_in_scan(scan_of(table, room(14.0, 11.0)), USUAL_SIZE).centres) == 0
+    assert len(objects_in_scan(scan_of([standing(7.0, 0.0)]), USUAL_SIZE).centres) == 0
 
 
 def test_what_is_hidden_in_part_or_cut_by_the_edge_of_the_view_is_no_object():
     half_hidden = [standing(1.0, 0.0), standing(2.0, 0.35)]
-    assert len(objects_in_scan(scan_of(half_hidden), RobotSize()).centres) == 1
-    assert len(objects_in_scan(scan_of([standing(1.0, 0.0)], view=math.radians(15.0)), RobotSize()).centres) == 0
+    assert len(objects_in_scan(scan_of(half_hidden), USUAL_SIZE).centres) == 1
+    assert len(objects_in_scan(scan_of([standing(1.0, 0.0)], view=math.radians(15.0)), USUAL_SIZE).centres) == 0
 
 
 @pytest.mark.parametrize("first", [-math.pi, 0.0, 0.1, 3.0])
@@ -51,13 +51,13 @@ def test_a_sensor_that_goes_round_finds_what_its_first_and_last_beams_see(first,
     angles = first + 2.0 * math.pi / 720 * np.arange(720)
     off = np.abs(np.angle(np.exp(1j * (angles - place))))
     scan = LaserScan(np.where(off < 0.15, 1.0 / np.cos(off), 4.0), first, 2.0 * math.pi / 720, 0.1, 8.0)
-    centres = objects_in_scan(scan, RobotSize()).centres
+    centres = objects_in_scan(scan, USUAL_SIZE).centres
     assert len(centres) == 1 and math.atan2(centres[0][1], centres[0][0]) == pytest.approx(place, abs=0.02)
 
 
 def test_a_scan_of_nothing_or_of_nothing_valid_has_no_objects():
     for ranges in (np.full(100, 8.0), np.full(100, np.nan), np.zeros(100)):
-        assert len(objects_in_scan(LaserScan(ranges, -1.0, 0.02, 0.1, 8.0), RobotSize()).centres) == 0
+        assert len(objects_in_scan(LaserScan(ranges, -1.0, 0.02, 0.1, 8.0), USUAL_SIZE).centres) == 0
 
 
 @pytest.mark.parametrize("fields", [(np.zeros(2), 0.0, 0.1, 0.0, 8.0), (np.zeros(9), math.nan, 0.1, 0.0, 8.0)])
@@ -70,7 +70,7 @@ def test_small_isolated_obstacles_of_a_map_are_objects():
     cells = np.zeros((100, 100), np.int8)
     cells[:, 0] = 100
     cells[50:56, 60:66] = 100
-    centres = objects_in_map(OccupancyGrid(GridInfo(100, 100, 0.05), cells), Pose(2.0, 2.0), 6.0, RobotSize().widest)
+    centres = objects_in_map(OccupancyGrid(GridInfo(100, 100, 0.05), cells), Pose(2.0, 2.0), 6.0, USUAL_SIZE.widest)
     assert centres == pytest.approx(np.array([[3.15, 2.65]]), abs=0.03)
 
 
@@ -132,7 +132,7 @@ def test_a_fit_gives_back_the_transform(yaw, x, y, points):
 
 def report(uptime, ages=(0.0,), boot=(1, 0)):
     poses = np.array([[age, uptime - age, 0.0, 0.0] for age in ages])
-    return TrackReport("b", boot, uptime, poses=poses)
+    return TrackReport("b", USUAL_SIZE.body_radius, boot, uptime, poses=poses)
 
 
 def test_the_fastest_report_sets_the_clock():

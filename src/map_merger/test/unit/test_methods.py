@@ -12,6 +12,7 @@ from map_merger.job import Job, LandmarkCache, Versioned
 from map_merger.methods import METHODS, method_of
 from map_merger.options import OptionError, options_of
 from map_merger.registration import Limits, Verdict
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.surface import landmarks_of
 from map_merger.synthetic import Survey, Surveyor, office_plan, pair_of
 from map_merger.transform import displacement
@@ -51,7 +52,7 @@ def test_a_right_candidate_is_refined_and_accepted_a_wrong_one_declined(pair, tm
     wrong = Pose(3.0, 1.0, math.pi).compose(pair.truth)
     place = own_method(tmp_path, f"[{tuple(wrong)}, {tuple(near)}]")
     target, source = Versioned("target", pair.target.grid), Versioned("source", pair.source.grid)
-    result = Job("source", target, source, (), None, None, Limits(), place, LandmarkCache()).run()
+    result = Job("source", target, source, (), None, None, Limits(), place, LandmarkCache(USUAL_SIZE), USUAL_SIZE).run()
     assert result.accepted, result.verdict
     assert error(pair, result.transform) < 0.1
 

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from map_merger.options import PARAMETERS, WITHOUT_EFFECT, OptionError, Options, options_of, warnings_of
+from map_merger.robot_size import USUAL_SIZE
 from mr_grid import Pose
 
 CONTRACT = {
@@ -40,7 +41,7 @@ def test_defaults_are_those_of_the_contract():
     for name, value in CONTRACT.items():
         assert getattr(options, name) == value and type(getattr(options, name)) is type(value), name
         assert PARAMETERS[name].default == value, name
-    assert options == Options(robot_name="host", initial_poses={})
+    assert options == Options("host", USUAL_SIZE.body_radius, USUAL_SIZE.largest_radius, initial_poses={})
 
 
 def test_any_heading_is_accepted_unless_a_limit_is_given():

@@ -15,6 +15,7 @@ from map_merger.job import Job, LandmarkCache, Versioned
 from map_merger.meetings.sweeps import NO_SWEEPS
 from map_merger.presence import FEWEST_SWEEPS, is_refuted, presence_of
 from map_merger.registration import Limits, Registration, Verdict
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.surface import landmarks_of
 from map_merger.transform import displacement, rotation_between
 from mr_grid import FREE, OCCUPIED, GridInfo, OccupancyGrid, Pose
@@ -57,13 +58,13 @@ def job_of(scene, walls=CORNERED, **more):
     meeting = scene.meetings["a"].sightings("b", scene.time)
     return Job(
         "b", Versioned("a", target), Versioned("b", source), (), None, None, Limits(), "correlation",
-        LandmarkCache(), meeting=meeting, **more,
+        LandmarkCache(USUAL_SIZE), USUAL_SIZE, meeting=meeting, **more,
     )  # fmt: skip
 
 
 def seen_by(scene, transform):
     viewer = landmarks_of(map_of(CORNERED, scene.frame(scene.robots[0])))
-    return presence_of(scene.meetings["a"].sightings("b", scene.time), viewer, transform)
+    return presence_of(scene.meetings["a"].sightings("b", scene.time), viewer, transform, USUAL_SIZE)
 
 
 def test_a_straight_drive_is_enough_where_the_walls_say_the_same():
@@ -128,7 +129,7 @@ def test_a_robot_that_is_placed_there_is_not_taken_for_another():
     viewer = landmarks_of(map_of(CORNERED, scene.frame(scene.robots[0])))
     sightings = scene.meetings["a"].sightings("b", scene.time)
     other = replace(sightings, others={"c": sightings.told}, placed={"c": truth})
-    assert not presence_of(other, viewer, truth).confirms
+    assert not presence_of(other, viewer, truth, USUAL_SIZE).confirms
 
 
 def test_copies_in_which_the_other_robot_is_not_are_refuted_and_stay_so():
@@ -162,7 +163,7 @@ def test_where_a_third_robot_drives_alike_the_other_must_see_this_one_as_well(se
     assert sightings.told_objects
     changes = {"others": {"c": sightings.told}, **({} if sees_back else {"told_objects": ()})}
     viewer = landmarks_of(map_of(CORNERED, scene.frame(scene.robots[0])))
-    assert presence_of(replace(sightings, **changes), viewer, truth).confirms == sees_back
+    assert presence_of(replace(sightings, **changes), viewer, truth, USUAL_SIZE).confirms == sees_back
 
 
 def test_a_wall_near_by_is_nobody():

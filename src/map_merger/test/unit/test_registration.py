@@ -27,6 +27,7 @@ from map_merger.registration import (
     follow,
     register,
 )
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.surface import landmarks_of, subsample
 from map_merger.synthetic import Survey, Surveyor, generated, office_plan, pair_of
 from map_merger.transform import displacement, rotation_between
@@ -319,13 +320,14 @@ def job(target, source, team=(), current=None):
         None,
         Limits(),
         "correlation",
-        LandmarkCache(),
+        LandmarkCache(USUAL_SIZE),
+        USUAL_SIZE,
     )
 
 
 def test_the_cache_of_landmarks_is_bounded_in_cells(monkeypatch):
     monkeypatch.setattr("map_merger.job._CACHED_CELLS", 2 * 32 * 32)
-    cache, drawn = LandmarkCache(), []
+    cache, drawn = LandmarkCache(USUAL_SIZE), []
     for key in (1, 2, 2, 1, 3, 1, 2):
         cache.of(
             key, lambda key=key: drawn.append(key) or OccupancyGrid(GridInfo(30, 30, 0.05), np.zeros((30, 30), np.int8))

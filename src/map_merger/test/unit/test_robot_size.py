@@ -6,7 +6,7 @@ import pytest
 from map_merger.global_map import GlobalMap, Policy
 from map_merger.meetings.map_objects import objects_in_map
 from map_merger.options import options_of
-from map_merger.robot_size import RobotSize
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.surface import landmarks_of
 from mr_grid import GridInfo, OccupancyGrid, Pose
 
@@ -30,14 +30,14 @@ def test_lengths_for_robots_like_a_pioneer():
 
 
 def test_objects_that_may_be_robots():
-    found = [objects_in_map(hall(18), Pose(2.0, 2.0), 6.0, size.widest) for size in (RobotSize(), LARGE)]
+    found = [objects_in_map(hall(18), Pose(2.0, 2.0), 6.0, size.widest) for size in (USUAL_SIZE, LARGE)]
     assert [len(centres) for centres in found] == [0, 1]
 
 
-@pytest.mark.parametrize(("size", "left"), [(RobotSize(), 0.6), (LARGE, 0.0)])
+@pytest.mark.parametrize(("size", "left"), [(USUAL_SIZE, 0.6), (LARGE, 0.0)])
 def test_a_robot_that_was_there_is_no_wall(size, left):
     """It drove by where its own map shows floor."""
-    fusion = GlobalMap("own", Policy.STRICT, size)
+    fusion = GlobalMap("own", size, Policy.STRICT)
     fusion.set_local(hall(22))
     fusion.set_layer("other", hall(), 1, Pose())
     fusion.set_places("other", np.array([(5.0, 5.0)]))
@@ -50,5 +50,5 @@ def test_a_robot_that_was_there_is_no_wall(size, left):
 def test_landmarks_are_larger_than_robots():
     cells = np.zeros((200, 200), np.int8)
     cells[100:102, 89:111] = 100
-    solid = [landmarks_of(OccupancyGrid(HALL, cells), size.mover).surface.solid.any() for size in (RobotSize(), LARGE)]
+    solid = [landmarks_of(OccupancyGrid(HALL, cells), size.mover).surface.solid.any() for size in (USUAL_SIZE, LARGE)]
     assert solid == [True, False]

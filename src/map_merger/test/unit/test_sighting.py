@@ -13,6 +13,7 @@ from map_merger.evidence import Evidence
 from map_merger.job import outcome_of
 from map_merger.messages import Anchor, Position, Tile
 from map_merger.registration import Registration, Verdict
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.sighting import Sighting, Views, nowhere, places_seen, view_of
 from mr_grid import FREE, OCCUPIED, UNKNOWN, GridInfo, OccupancyGrid, Pose
 
@@ -39,7 +40,9 @@ def sighting(place=PLACE, time=5.0):
 
 
 def seen(present, sightings, track=GONE, transform=None, others=None):
-    return places_seen(present, sightings, track, transform or Pose(), nowhere() if others is None else others)
+    return places_seen(
+        present, sightings, track, transform or Pose(), nowhere() if others is None else others, USUAL_SIZE
+    )
 
 
 def test_a_robot_seen_where_it_said_it_was():

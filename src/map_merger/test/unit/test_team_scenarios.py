@@ -13,6 +13,7 @@ from map_merger.exchange_benchmark import same
 from map_merger.graph.edges import EdgeReport
 from map_merger.meetings import TrackReport
 from map_merger.messages import Anchor, Request, Tile
+from map_merger.robot_size import USUAL_SIZE
 from map_merger.synthetic import pair_of
 from map_merger.transform import displacement, rotation_between
 from mr_grid import Pose
@@ -99,7 +100,7 @@ def test_late_messages_of_a_former_run_change_nothing(maps):
     ]
     assert {type(payload) for payload in late} == {Anchor, Tile, EdgeReport}
     poses = np.column_stack([np.linspace(3.0, 0.0, 20), np.linspace(0.0, 2.0, 20), np.zeros((20, 2))])
-    late.append(TrackReport("robot_1", (1, 1), 50.0, poses=poses, unplaced=("robot_0",)))
+    late.append(TrackReport("robot_1", USUAL_SIZE.body_radius, (1, 1), 50.0, poses=poses, unplaced=("robot_0",)))
     team.agents["robot_1"] = Agent(options("robot_1"), (2, 1))
     team.agents["robot_1"].on_local_map(maps[1].grid, team.now)
     team.run(60.0)

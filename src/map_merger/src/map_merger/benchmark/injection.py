@@ -17,7 +17,7 @@ from ..agent import Agent
 from ..evidence import Evidence, compare
 from ..graph.edges import Edge
 from ..job import Job
-from ..options import Options
+from ..options import options_of
 from ..registration import Registration, Verdict
 from ..surface import landmarks_of
 from ..synthetic import RobotMap, Survey, Surveyor, office_plan, pair_of
@@ -126,10 +126,7 @@ def _connected(random: np.random.Generator, names: Sequence[str]) -> FrozenSet[P
 
 def team_of(maps: Dict[str, RobotMap], met: FrozenSet[Pair]) -> MetTeam:
     """Agents that know nothing yet, of whom these pairs meet."""
-    agents = {
-        name: Agent(Options(robot_name=name, max_rotation_robots=-1.0, split_size=2048, debug=False), (1, number))
-        for number, name in enumerate(sorted(maps))
-    }
+    agents = {name: Agent(options_of({"debug": False}, name), (1, number)) for number, name in enumerate(sorted(maps))}
     truth = {(one, other): pair_of(maps[one], maps[other]).truth for one in maps for other in maps if one != other}
     return MetTeam(agents, truth=truth, met=met)
 

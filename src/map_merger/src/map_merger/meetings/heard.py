@@ -31,7 +31,6 @@ class Heard:
 
     def __init__(self) -> None:
         self.boot = NO_BOOT
-        self.body_radius = 0.2
         self.sensor = NO_SENSOR
         self.unplaced: Tuple[str, ...] = ()
         self._poses = Trail(4, _SPACING_S)
@@ -53,7 +52,7 @@ class Heard:
         if known and report.boot != self.boot:
             self._former.append(self.boot)
         if report.uptime >= self._newest:
-            self.boot, self.body_radius, self.sensor = report.boot, report.body_radius, report.sensor
+            self.boot, self.sensor = report.boot, report.sensor
             self.unplaced = report.unplaced
         self._newest, self.heard_at = max(self._newest, report.uptime), now
         self._differences.append((now, now - report.uptime))

@@ -9,7 +9,7 @@ import numpy as np
 from mr_grid import OccupancyGrid, Pose
 
 from ..messages import NO_BOOT, Boot
-from ..robot_size import USUAL_SIZE, RobotSize
+from ..robot_size import RobotSize
 from ..timer import LONGEST_AGE_S
 from .detection import FARTHEST_M, objects_in_scan
 from .doubts import doubts_of
@@ -47,7 +47,7 @@ class Meetings:
     name, boot: of the own robot's run. size: of the robots of the team.
     """
 
-    def __init__(self, name: str, boot: Boot = NO_BOOT, size: RobotSize = USUAL_SIZE) -> None:
+    def __init__(self, name: str, size: RobotSize, boot: Boot = NO_BOOT) -> None:
         self._name, self._boot, self._size = name, boot, size
         self._own = Trail(4, _POSE_PERIOD_S)
         self._objects = ObjectTracks()
@@ -136,9 +136,9 @@ class Meetings:
         poses, objects = self._telling.taken(now, self._own.rows, self._objects.present())
         return TrackReport(
             self._name,
+            self._size.body_radius,
             self._boot,
             now,
-            self._size.body_radius,
             self._sensor,
             poses,
             objects,

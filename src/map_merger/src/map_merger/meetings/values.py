@@ -88,9 +88,9 @@ class TrackReport:
     """
 
     robot: str
+    body_radius: float
     boot: Boot = NO_BOOT
     uptime: float = 0.0
-    body_radius: float = 0.2
     sensor: Sensor = NO_SENSOR
     poses: np.ndarray = field(default_factory=lambda: np.empty((0, 4)))
     objects: Tuple[ToldObject, ...] = ()
