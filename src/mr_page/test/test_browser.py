@@ -51,6 +51,16 @@ def test_the_page_is_clicked_through(team):
 
 
 async def views(tab):
+    """Until somebody chooses the map is a merged one, of a robot that has placed all that can be placed."""
+    await tab.wait_for(f"{text('#source')}.endsWith('saw of it; not placed: robot_7')")
+    first = await tab.run("document.getElementById('view').value")
+    assert first in [f"robot_{number}" for number in range(7)]
+    row = int(first[-1]) + 1
+    await tab.click(f"#robots tr:nth-child({row})")  # chooses it, and does not lead away from it
+    await tab.wait_for(f"document.querySelector('#commands select').value === '{first}'")
+    assert await tab.run("document.getElementById('view').value") == first
+    await tab.click(f"#robots tr:nth-child({row})")
+    await tab.wait_for(f"{text('#source')}.includes('own maps')")
     await tab.click("#robots tr:nth-child(3)")
     # Where the others' maps lie comes with its own message, on a busy machine after the map.
     await tab.wait_for(f"{text('#source')}.startsWith('The map of robot_2')")

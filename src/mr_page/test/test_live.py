@@ -45,6 +45,22 @@ def test_robots_stand_where_their_maps_are_placed():
     assert played(updates, poses.replace("scene(0", "scene(-1")) == [[10, 9], [6, 0], None]
 
 
+def test_the_map_that_is_made_of_most_maps_is_shown_until_somebody_chooses():
+    here, away = [0, 0, 0], [1, 1, 0]
+    first = [
+        told("robot_0", merger=merger(robot_0=here, robot_1=None, robot_2=None), decision={"area": 90}),
+        told("robot_1", merger=merger(robot_0=None, robot_2=away), decision={"area": 40}),
+        told("robot_2", merger=merger(robot_0=None, robot_1=away), decision={"area": 60}),
+    ]
+    shown = "live.mostMerged('{}')"
+    assert played(first[:1], shown.format("")) == ""
+    assert played(first, shown.format("")) == "robot_2", "of two the one that knows most"
+    assert played(first, shown.format("robot_1")) == "robot_1", "it does not turn for an area alone"
+    both = told("robot_0", merger=merger(robot_1=away, robot_2=away))
+    assert played([*first, both], shown.format("robot_1")) == "robot_0"
+    assert played([*first, both, told("robot_0", lost=True)], shown.format("robot_0")) == "robot_2"
+
+
 def test_robots_of_which_only_others_tell_have_a_place():
     updates = [told("robot_1", pose=[0, 0, 0], merger=merger(robot_10=[1, 1, 0]), peers={"robot_10": [3, 4]})]
     assert played(updates, "live.robots.map((r) => [r.name, r.told])") == [["robot_1", True], ["robot_10", False]]

@@ -86,6 +86,12 @@ class LiveRobot {
     return pose ? { x: pose[0], y: pose[1], yaw: pose[2], silent: Boolean(lost) } : null;
   }
 
+  /** How many others it has placed, so that its merged map holds theirs. */
+  get placedOthers() {
+    const others = this.values.merger?.robots ?? [];
+    return others.filter(({ robot, placed: known }) => known && robot !== this.name).length;
+  }
+
   /** Where it believes that the map frame of another robot lies in its own. */
   placeOf(other) {
     if (other === this.name) return HERE;
@@ -145,6 +151,18 @@ export class Live {
   get begin() {
     const times = this.robots.map((robot) => robot.begin).filter((time) => time !== undefined);
     return times.length ? Math.min(...times) : 0;
+  }
+
+  /**
+   * Name of the robot whose merged map is made of the most maps, of several the one that knows most; `kept` as long as
+   * no other one has placed more, so that the map does not turn all the time. Empty while nobody has placed anybody.
+   */
+  mostMerged(kept) {
+    const merged = this.robots.filter((robot) => robot.told && !robot.values.lost && robot.placedOthers);
+    const most = Math.max(...merged.map((robot) => robot.placedOthers));
+    const best = merged.filter((robot) => robot.placedOthers === most);
+    const area = ({ values }) => values.decision?.area ?? 0;
+    return (best.find(({ name }) => name === kept) ?? best.sort((a, b) => area(b) - area(a))[0])?.name ?? "";
   }
 
   number(name) {

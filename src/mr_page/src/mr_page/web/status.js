@@ -29,6 +29,7 @@ const PANELS_PERIOD = 250; // ms; nobody reads faster
 
 let view = null; // number of the robot whose map is shown, TEAM, or null until there is one
 let chosen = null; // name of that robot, empty for the team; null until somebody has chosen
+let merged = ""; // name of the robot that is shown until then, empty while no maps are merged
 let connected = null; // not known before the first try has ended
 let panelsAt = -Infinity; // when tables and panels were filled, ms
 const refresh = () => {
@@ -40,7 +41,7 @@ const live = new Live(theme);
 const playback = new Playback({ live: true, changed: refresh });
 const map = new MapView(theme, LAYERS, () => redraw());
 const marks = new TimeLine(theme, (time) => playback.seek(time));
-const table = new RobotTable(theme, COLUMNS, (index) => choose(view === index && shown.hasTeamView ? "" : shown.robots[index].name));
+const table = new RobotTable(theme, COLUMNS, (index) => choose(clicked(shown.robots[index].name)));
 const log = new LogPanel();
 const tabs = new Tabs([new AreaPanel(theme), new ChoicePanel(theme), new PlacePanel(theme), new RadioPanel(theme), log]);
 const connection = new Connection({
@@ -78,7 +79,8 @@ function findView() {
     select.dataset.key = key;
     select.replaceChildren(...options.map(([text, value]) => new Option(text, value)));
   }
-  const wanted = options.find(([, value]) => value === chosen) ?? options[0];
+  merged = shown.mostMerged(merged);
+  const wanted = options.find(([, value]) => value === (chosen ?? merged)) ?? options[0];
   view = !wanted ? null : wanted[1] === "" ? TEAM : shown.number(wanted[1]);
   if (wanted) select.value = wanted[1];
 }
@@ -91,6 +93,11 @@ function findShown() {
   shown = playback.following || !past.known ? live : past.team;
   if (shown !== before) log.reset();
   return moving;
+}
+
+/** What is chosen by a click on the row of a robot: it, or, where it was, the team. */
+function clicked(name) {
+  return chosen === name && shown.hasTeamView ? "" : name;
 }
 
 function choose(name) {
