@@ -27,6 +27,7 @@ from adhoc_communication.srv import (
     SendMessageResponse,
 )
 from explorer.msg import ExplorationState, ExplorationStatus, TeamVerdicts
+from explorer.srv import SetLimits
 from geometry_msgs.msg import PointStamped, TransformStamped
 from map_merger.srv import LogMaps, LogMapsResponse, TransformPoint, TransformPointResponse
 from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
@@ -219,6 +220,9 @@ class TestNode(unittest.TestCase):
         self.assertEqual((state.text, state.has_goal), ("is paused", False))
         self.assertTrue(orders["resume"]().success)
         self.wait_for_state(lambda s: s.has_goal, 10)
+        limited = rospy.ServiceProxy("explorer/set_limits", SetLimits)(600.0, 0.0)
+        self.assertEqual((limited.success, limited.message), (True, "ends after 600 s"))
+        self.assertEqual(rospy.get_param("explorer/time_limit"), 600.0)
 
     def check_status(self, status: ExplorationStatus) -> None:
         self.assertEqual((status.robot_name, status.header.frame_id), ("robot_0", "map"))

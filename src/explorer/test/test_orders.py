@@ -1,5 +1,6 @@
 """Orders and limits on virtual time: a robot that is paused, stopped, sent home, or out of time."""
 
+import math
 from typing import Any, Callable, List
 
 import pytest
@@ -154,6 +155,39 @@ def test_the_distance_limit_sends_the_robot_home() -> None:
             break
     assert 5.0 <= bench.agent.counters.distance < 5.3
     assert bench.agent.text.startswith("distance limit of 5 m reached")
+
+
+def test_limits_can_be_set_while_a_robot_explores() -> None:
+    """In place of those that it began with, whatever the clock does and wherever its map begins anew."""
+    bench = driving(time_limit=20.0, distance_limit=5.0, progress_timeout=1e5)
+    assert bench.agent.set_limits(40.0, 0.0) == Answer(True, "ends after 40 s")
+    assert bench.agent.report(bench.now).limits == (40.0, 0.0)
+    bench.run(30.0)
+    assert bench.agent.finished_at is None
+    bench.agent.on_new_frame(Pose(), bench.now)
+    bench.map(corridor()).place(0.0, 0.0)
+    bench.run(10.0)
+    assert bench.agent.finished_at == pytest.approx(140.0, abs=0.5)
+    refused = bench.agent.set_limits(0.0, 0.0)
+    assert not refused.done and refused.text.startswith("has ended: time limit of 40 s reached")
+
+
+def test_limits_that_are_set_hold_when_the_clock_is_set_back() -> None:
+    bench = driving(time_limit=20.0)
+    bench.agent.set_limits(0.0, 90.5)
+    bench.now -= 50.0
+    bench.run(0.4)
+    assert bench.agent.report(bench.now).limits == (0.0, 90.5)
+
+
+@pytest.mark.parametrize(
+    ("time", "distance", "why"),
+    [(-1.0, 0.0, "~time_limit is -1.0, out of range"), (0.0, math.nan, "~distance_limit is nan, out of range")],
+)
+def test_limits_that_are_none_are_refused(time: float, distance: float, why: str) -> None:
+    bench = driving(time_limit=20.0)
+    refused = bench.agent.set_limits(time, distance)
+    assert not refused.done and why in refused.text and bench.agent.report(bench.now).limits == (20.0, 0.0)
 
 
 def test_without_limits_a_robot_explores_for_ever() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from explorer.answer import Answer
 from explorer.driver import Goal
 from explorer.edge import Edge
+from explorer.errors import ParameterError
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
@@ -18,7 +19,7 @@ from explorer.homecoming import HOME_LOST
 from explorer.memory import Memory
 from explorer.messages import Auction, Effect, Note
 from explorer.missions import Missions, OnDecision
-from explorer.options import Options
+from explorer.options import Options, checked_limits
 from explorer.perception import Perception
 from explorer.pictures import picture_of, status_of
 from explorer.report import Report, report_of
@@ -92,6 +93,13 @@ class ExplorerAgent:
     def go_home(self, now: float) -> Answer:
         """Ends the exploration and drives home; one that has not begun stays there, and does not begin."""
         return self.mission.steering.go_home(now)
+
+    def set_limits(self, time: float, distance: float) -> Answer:
+        """After how many s of exploration and m of way it ends; 0: none."""
+        try:
+            return self.mission.steering.set_limits(checked_limits(time, distance))
+        except ParameterError as error:
+            return Answer(False, str(error))
 
     def recall(self, memory: Memory, now: float) -> None:
         """Goes on with a mission after the node was started anew; before the first tick."""

@@ -226,7 +226,7 @@ class Exploration:
         here = self._senses.pose
         assert here is not None
         self._perceive(now)
-        limit = self.orders.limit(self.exploration_time(now), self._senses.distance)
+        limit = self.orders.limits.reached(self.exploration_time(now), self._senses.distance)
         if limit is not None:
             self._finish(limit, now)
             return

@@ -57,6 +57,7 @@ class Missions:
         if old.orders.ended_by in ORDERED and old.orders.homeward:
             mission.steering.go_home(now)
         mission.orders.halt = old.orders.halt
+        mission.orders.limits = old.orders.limits
         return mission
 
     def in_new_frame(self, old: Exploration, now: float) -> Exploration:
@@ -68,6 +69,7 @@ class Missions:
         mission = self._make(old.driver.last_id, old.auctions.last_id)
         mission.recall(old.memory, now)
         self._senses.distance = distance
+        mission.orders.limits = old.orders.limits
         mission.hearing.take_robots(old.team.known())
         return mission
 

@@ -58,7 +58,8 @@ def names_for(options: Options) -> Names:
             "log_output": f"{prefix}map_merger/logOutput",
         },
         offered={
-            name: f"~{name}" for name in ("start", "pause", "resume", "return_now", "stop", "go_home", "catch_up")
+            name: f"~{name}"
+            for name in ("start", "pause", "resume", "return_now", "stop", "go_home", "set_limits", "catch_up")
         },
         action="move_base",
     )

@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, 
 
 from explorer import strategies
 from explorer.errors import ParameterError
+from explorer.limits import Limits
 from mr_grid import FARTHEST, is_place
 
 STRATEGIES = strategies.TITLES
@@ -173,6 +174,12 @@ def load(given: Mapping[str, Any], robots_in_simulation: Any = 1, host_name: Opt
     values["robots_in_simulation"] = _checked(ROBOTS_IN_SIMULATION, robots_in_simulation)
     _identify(values, host_name if host_name is not None else socket.gethostname())
     return Options(**values)
+
+
+def checked_limits(time: float, distance: float) -> Limits:
+    """Values for `time_limit` in s and `distance_limit` in m. Raises `ParameterError` as `load`."""
+    found = {parameter.name: parameter for parameter in PARAMETERS}
+    return Limits(_checked(found["time_limit"], time), _checked(found["distance_limit"], distance))
 
 
 def summary(options: Options) -> str:

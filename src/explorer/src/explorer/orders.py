@@ -2,6 +2,7 @@
 
 from typing import Optional
 
+from explorer.limits import Limits
 from explorer.options import Options
 
 DONE = "finished"  # how a mission ends by itself
@@ -13,12 +14,12 @@ CALLED = "is called back"
 
 
 class Orders:
-    """Those that hold in one mission. `halt`: what holds the robot until it is to go on, `PAUSED` where it is or
-    `CALLED` to its home, empty for nothing; `ended_by`: how the exploration ended, in words, None while it has not;
-    `homeward`: the robot is to drive home after it."""
+    """Those that hold in one mission. `limits`: what ends its exploration; `halt`: what holds the robot until it is to
+    go on, `PAUSED` where it is or `CALLED` to its home, empty for nothing; `ended_by`: how the exploration ended, in
+    words, None while it has not; `homeward`: the robot is to drive home after it."""
 
     def __init__(self, options: Options) -> None:
-        self._time_limit, self._distance_limit = options.time_limit, options.distance_limit
+        self.limits = Limits(options.time_limit, options.distance_limit)
         self.halt = ""
         self.homeward = options.return_home
         self.ended_by: Optional[str] = None
@@ -31,11 +32,3 @@ class Orders:
     def complete(self) -> bool:
         """The exploration ended because nothing was left."""
         return self.ended_by == DONE
-
-    def limit(self, time: float, distance: float) -> Optional[str]:
-        """The limit that has been reached after that time in s and way in m, in words."""
-        if self._time_limit and time >= self._time_limit:
-            return f"time limit of {self._time_limit:g} s reached"
-        if self._distance_limit and distance >= self._distance_limit:
-            return f"distance limit of {self._distance_limit:g} m reached"
-        return None

@@ -12,6 +12,7 @@ from explorer.forecast import rest_of
 from explorer.geometry import Position
 from explorer.grid import OccupancyMap
 from explorer.leftovers import reasons
+from explorer.limits import Limits
 from explorer.perception import Perception
 from explorer.scene import Scene
 from explorer.statement import Stage
@@ -35,7 +36,7 @@ class Report:
     """`ended_by`: how the exploration ended, empty while it has not. `reason`: why the robot drives to its goal.
     `bids`: {robot: bid for its cluster}, in `unit`. `assignment`: {robot: place in m of its cluster}. `area`: known, in
     m^2. `rest`: expected, in s, NaN while unknown. `team`: {robot that the radio reaches: what it has said last of the
-    end}; None for robots that say nothing of it and still explore."""
+    end}; None for robots that say nothing of it and still explore. `limits`: of the exploration."""
 
     status: Status
     paused: bool
@@ -49,6 +50,7 @@ class Report:
     rest: float
     left: Tuple[Left, ...]
     team: Mapping[str, Optional[Stage]]
+    limits: Limits
 
 
 def report_of(
@@ -69,6 +71,7 @@ def report_of(
         rest=_rest(mission, scene, status),
         left=tuple(_left(perception, reasons(perception.clusters, perception.worth))),
         team={robot: _stage(mission, robot) for robot in mission.team.known()},
+        limits=mission.orders.limits,
     )
 
 

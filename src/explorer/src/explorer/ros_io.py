@@ -228,6 +228,9 @@ def status_to(report: Report, frame: str) -> ExplorationStatus:
         team=list(report.team),
         team_finished=[robot for robot, stage in report.team.items() if stage in (Stage.ENDED, Stage.QUIT)],
         team_nothing_left=[robot for robot, stage in report.team.items() if stage == Stage.NOTHING_LEFT],
+        time_limit=report.limits.time,
+        distance_limit=report.limits.distance,
+        distance=round(status.counters.distance),
     )
     message.header.frame_id = frame
     return message

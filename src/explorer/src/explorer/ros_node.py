@@ -31,6 +31,7 @@ from explorer.ros_goals import Goals
 from explorer.ros_logs import LogFolder
 from explorer.ros_worker import Worker
 from explorer.scene_folder import recorder
+from explorer.srv import SetLimits, SetLimitsResponse
 from mr_grid import Pose
 from mr_grid.imaging import use_threads
 from mr_grid.map_frame import MapFrame, MapRuns, NewFrame
@@ -109,6 +110,7 @@ class ExplorerNode:
         orders.update({"return_now": agent.return_now, "stop": agent.stop, "go_home": agent.go_home})
         for name, order in orders.items():
             rospy.Service(self._names.offered[name], Trigger, functools.partial(self._on_order, order))
+        rospy.Service(self._names.offered["set_limits"], SetLimits, self._on_limits)
         rospy.Service(self._names.offered["catch_up"], Empty, self._catch_up)
 
     # ---- input ----------------------------------------------------------------------------------------------------
@@ -188,6 +190,22 @@ class ExplorerNode:
             answer = order(rospy.get_time())
         self._wake.set()
         return TriggerResponse(answer.done, answer.text)
+
+    def _on_limits(self, request: Any) -> SetLimitsResponse:
+        """The parameters follow, so that the node has the same limits when it is started again."""
+        with self._lock:
+            answer = self._agent.set_limits(request.time, request.distance)
+        if answer.done:
+            self._keep_limits(request.time, request.distance)
+        self._wake.set()
+        return SetLimitsResponse(answer.done, answer.text)
+
+    def _keep_limits(self, time: float, distance: float) -> None:
+        try:
+            rospy.set_param("~time_limit", time)
+            rospy.set_param("~distance_limit", distance)
+        except (rospy.ROSException, OSError) as error:
+            rospy.logwarn(f"explorer: the master does not keep the limits: {error}")
 
     def _catch_up(self, _: Any) -> EmptyResponse:
         self._rounds.wait_for_whole_one(self._wake.set)

@@ -7,6 +7,7 @@ from explorer.course import Course
 from explorer.driver import Driver, at_home
 from explorer.ending import Ending
 from explorer.homecoming import HOME_LOST
+from explorer.limits import Limits
 from explorer.orders import CALLED, PAUSED, SENT_HOME, STOPPED, Orders
 from explorer.senses import Senses
 from explorer.status import State
@@ -99,6 +100,13 @@ class Steering:
             return self._wait_for(awaited)
         self._course.be(State.RETURNING, f"{self._orders.ended_by}, drives home")
         return Answer(True, "stays at home" if self._is_at_home else "drives home")
+
+    def set_limits(self, limits: Limits) -> Answer:
+        """In place of those of before; one that is reached already ends the exploration at once."""
+        if self._ended:
+            return Answer(False, f"has ended: {self._course.text}")
+        self._orders.limits = limits
+        return Answer(True, limits.words)
 
     @property
     def _is_at_home(self) -> bool:
