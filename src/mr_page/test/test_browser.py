@@ -42,6 +42,7 @@ def test_the_page_is_clicked_through(team):
             await views(tab)
             await panels(tab)
             await orders(tab)
+            await limits(tab)
             await orders_by_radio(tab)
             await the_past(tab)
             await looks(tab)
@@ -100,6 +101,32 @@ async def orders(tab):
     await tab.click("#robots tr:nth-child(1)")
     await tab.click("#command-resume")
     await tab.wait_for(f"{text('#robots tr:nth-child(1) td:nth-child(2)')} === 'exploring'")
+
+
+async def limits(tab):
+    """Of one robot, by the keyboard, then for all by the button; 0 and the arrows are keys of the page elsewhere."""
+    await address(tab, "robot_1")
+    assert await tab.run(f"[document.getElementById('limit-time').value, {text('#left')}]") == ["", ""]
+    await write(tab, "#limit-time", "5000")
+    await tab.press("Enter")
+    await tab.wait_for(f"{text('#answer')} === 'robot_1: ends after 5000 s or 0 m'")
+    await tab.wait_for(f"/^1:1\\d:\\d\\d left$/.test({text('#left')})")
+    await address(tab, "")
+    await tab.wait_for("document.getElementById('limit-time').value === ''")  # they have not all the same
+    await write(tab, "#limit-way", "0900")
+    await tab.click("#command-set_limits")
+    await tab.wait_for(f"/^\\d+ m left$/.test({text('#left')})")
+    await address(tab, "robot_1")
+    await tab.wait_for("['time', 'way'].map((n) => document.getElementById(`limit-${n}`).value).join() === ',900'")
+    await address(tab, "team_robot_0")
+    await tab.click("#command-set_limits")
+    assert await tab.run(text("#answer")) == "robot_0 offers no service mission_control/set_limits"
+
+
+async def write(tab, selector, digits):
+    await tab.click(selector)
+    for digit in digits:
+        await tab.press(digit)
 
 
 async def address(tab, key):

@@ -98,7 +98,7 @@ def messages():
         "explorer/state": ExplorationState(robot_name="robot_0", state=1, frontiers=7),
         "explorer/status": ExplorationStatus(
             has_goal=True, goal=Point(1.0, 2.0, 0.0), goal_reason="near", bids=[ExplorationBid("robot_0", 2.5)],
-            expected_rest=float("nan"),
+            expected_rest=float("nan"), time_limit=90.0, distance=12.0,
         ),
         "mission_control/team": TeamOverview(
             robots=[TeamMember(state=TeamState(robot_name="robot_1", state=1, area_known=9.0), in_reach=True, age=3.0)]
@@ -114,12 +114,15 @@ def messages():
 def test_what_is_published_is_shown_and_orders_are_called(page):
     import rospy
     import tf2_ros
-    from explorer.srv import OrderRobots, OrderRobotsResponse
+    from explorer.srv import OrderRobots, OrderRobotsResponse, SetLimits, SetLimitsResponse
     from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
     from std_srvs.srv import Trigger, TriggerResponse
 
     def passed_on(request):
         return OrderRobotsResponse(True, f"{request.order}: sent to {' '.join(request.robots)}")
+
+    def limited(request):
+        return SetLimitsResponse(True, f"ends after {request.time:g} s or {request.distance:g} m")
 
     publishers = [latched(topic, message) for topic, message in messages().items()]
     transform = TransformStamped(child_frame_id="chassis")
@@ -133,6 +136,7 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
         rospy.Service("explorer/pause", Trigger, lambda _: TriggerResponse(True, "paused")),
         rospy.Service("mission_control/pause", Trigger, lambda _: TriggerResponse(True, "all paused")),
         rospy.Service("mission_control/order", OrderRobots, passed_on),
+        rospy.Service("explorer/set_limits", SetLimits, limited),
     ]
     seen = asyncio.run(look(page))
     hang.set()
@@ -147,7 +151,7 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     assert seen["team"]["robots"]["robot_1"]["state"] == "exploring" and seen["team"]["robots"]["robot_1"]["area"] == 9
     assert seen["frontiers"] == [[5.0, 6.0]] and seen["clusters"] == [[], [], [], [[1.0, 1.0]]]
     assert seen["network"]["links"] == [{"robot": "robot_1", "two_way": True, "loss": 0.25, "waiting": 0}]
-    offered = ["pause", "resume", "team_pause", *(f"pass_on_{order}" for order in ORDERS)]
+    offered = ["pause", "resume", "set_limits", "team_pause", *(f"pass_on_{order}" for order in ORDERS)]
     assert [command for command, there in seen["services"].items() if there] == offered
     assert seen["answers"] == [
         "paused",
@@ -155,7 +159,9 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
         "the service explorer/stop does not answer",
         "the service explorer/resume does not answer within 5 s",
         "stop: sent to robot_1",
+        "ends after 600 s or 40.5 m",
     ]
+    assert (seen["decision"]["limits"], seen["decision"]["way"]) == ([90.0, 0.0], 12)
     assert {kind: len(tiles) for kind, tiles in seen["tiles"].items()} == {"local": 2, "global": 2}
     assert len(publishers) == 10
 
@@ -198,8 +204,11 @@ async def look(page):
             tiles[kind].add(place)
             assert np.frombuffer(cells, dtype=np.uint8)[0] == 0b01010101
     answers = []
-    for command, to in (("pause", ""), ("team_pause", ""), ("stop", ""), ("resume", ""), ("pass_on_stop", "robot_1")):
-        await guest.say(robot="robot_0", command=command, to=to)
+    for command, to, limits in (
+        ("pause", "", ()), ("team_pause", "", ()), ("stop", "", ()), ("resume", "", ()),
+        ("pass_on_stop", "robot_1", ()), ("set_limits", "", (600, 40.5)),
+    ):  # fmt: skip
+        await guest.say(robot="robot_0", command=command, to=to, limits=limits)
         answers.append(
             (await guest.hear_answer())["text"].partition(": service")[0].partition(": timeout")[0].partition(";")[0]
         )

@@ -28,6 +28,7 @@ def messages(odd):
         exploration_values: ExplorationState(exploration_time=odd),
         decision_values: ExplorationStatus(
             has_goal=True, goal=place, bids=[ExplorationBid("a", odd)], area_known=odd, expected_rest=odd,
+            time_limit=odd, distance=odd,
             assignment=[ExplorationShare("a", place)], left=[ExplorationLeftover(place=place, size=odd)],
         ),
         team_values: TeamOverview(robots=[TeamMember(state=TeamState(robot_name="a", area_known=odd), age=odd)]),

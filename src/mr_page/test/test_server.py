@@ -95,7 +95,11 @@ def test_orders_go_to_the_robot_and_answers_come_back():
             assert "stop is not passed on" in (await guest.hear_answer())["text"]
             await guest.say(robot="a", command="pass_on_stop", to="c")
             assert (await guest.hear_answer())["to"] == "c"
-        assert asked == [("a", "pause", ""), ("a", "pass_on_stop", "c")]
+            await guest.say(robot="a", command="set_limits", limits=[600])
+            assert "needs a time in s and a way in m" in (await guest.hear_answer())["text"]
+            await guest.say(robot="a", command="set_limits", limits=[600, 0])
+            assert (await guest.hear_answer())["command"] == "set_limits"
+        assert asked == [("a", "pause", "", ()), ("a", "pass_on_stop", "c", ()), ("a", "set_limits", "", (600.0, 0.0))]
 
     asyncio.run(run())
 

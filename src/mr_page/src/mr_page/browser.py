@@ -154,6 +154,12 @@ class Tab:
             event = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1}
             await self.call("Input.dispatchMouseEvent", event)
 
+    async def press(self, key: str) -> None:
+        """A key, by its name or what it writes, where the focus is."""
+        text = {"text": "\r" if key == "Enter" else key} if key == "Enter" or len(key) == 1 else {}
+        for kind in ("keyDown", "keyUp"):
+            await self.call("Input.dispatchKeyEvent", {"type": kind, "key": key, **(text if kind == "keyDown" else {})})
+
     async def picture(self, path: Path, whole: bool = False) -> None:
         """PNG of what is to be seen, or of the whole page, as a file."""
         path.write_bytes(await self.png(whole))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Awaitable, Callable, NamedTuple
+from typing import Awaitable, Callable, NamedTuple, Sequence
+
+from mr_page.numbers import is_finite
 
 ORDERS = ("start", "pause", "resume", "return_now", "stop", "go_home")
 TEAM = "team_"  # before the name of an order to all that the robot's radio reaches
 PASS_ON = "pass_on_"  # before the name of one to a single robot that it reaches
+SET_LIMITS = "set_limits"
+LIMITS_SERVICE = "explorer/set_limits"  # explorer/SetLimits
 ORDER_SERVICE = "mission_control/order"  # explorer/OrderRobots
 SERVICES = {  # command: service at the robot's own master; which of them there are is looked up
     **{order: f"explorer/{order}" for order in ORDERS},  # std_srvs/Trigger, for this robot
+    SET_LIMITS: LIMITS_SERVICE,
     **{f"{TEAM}{order}": f"mission_control/{order}" for order in ORDERS},  # std_srvs/Trigger
     **{f"{PASS_ON}{order}": ORDER_SERVICE for order in ORDERS},
 }
@@ -23,10 +28,12 @@ class Answer(NamedTuple):
 
 
 class Order(NamedTuple):
-    """`command` of COMMANDS; `to`: the robot to which one that begins with PASS_ON is passed on."""
+    """`command` of COMMANDS; `to`: the robot to which one that begins with PASS_ON is passed on; `limits` of
+    SET_LIMITS: time in s and way in m, 0 for none."""
 
     command: str
     to: str = ""
+    limits: Sequence[float] = ()
 
     def fault(self) -> str:
         """What is wrong with it, one sentence; empty: nothing."""
@@ -36,6 +43,8 @@ class Order(NamedTuple):
             return (
                 f"{self.command} needs a robot to pass it on to" if not self.to else f"{self.command} is not passed on"
             )
+        if self.command == SET_LIMITS and not (len(self.limits) == 2 and is_finite(*self.limits)):
+            return f"{self.command} needs a time in s and a way in m, 0 for no limit"
         return ""
 
 

@@ -163,7 +163,7 @@ class FeedLink:
         if not data:
             raise ConnectionError("the page's server is gone")
         self._buffer += data
-        return [Order(*json.loads(message)) for message in self._messages()]
+        return [Order(command, to, tuple(limits)) for command, to, limits in map(json.loads, self._messages())]
 
     def close(self) -> None:
         self._socket.close()

@@ -12,7 +12,7 @@ import rospy
 import tf2_ros
 from adhoc_communication.msg import MmListOfPoints, NetworkState
 from explorer.msg import ExplorationState, ExplorationStatus, TeamOverview
-from explorer.srv import OrderRobots
+from explorer.srv import OrderRobots, SetLimits
 from map_merger.msg import MergerStatus
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import GridCells, OccupancyGrid, Path
@@ -23,7 +23,7 @@ from visualization_msgs.msg import MarkerArray
 
 from mr_grid import GridError, Pose
 from mr_grid.ros import grid_value, yaw_of
-from mr_page.commands import ORDER_SERVICE, PASS_ON, SERVICES, Answer, Order
+from mr_page.commands import LIMITS_SERVICE, ORDER_SERVICE, PASS_ON, SERVICES, Answer, Order
 from mr_page.ros_values import (
     LEVELS,
     decision_values,
@@ -193,4 +193,6 @@ def _called(service: str, order: Order) -> Any:
     """The response of the service of an order. Raises rospy.ServiceException."""
     if service == ORDER_SERVICE:
         return rospy.ServiceProxy(service, OrderRobots)(order.command[len(PASS_ON) :], [order.to])
+    if service == LIMITS_SERVICE:
+        return rospy.ServiceProxy(service, SetLimits)(*order.limits)
     return rospy.ServiceProxy(service, Trigger)()

@@ -44,6 +44,8 @@ def decision_values(message: Any) -> dict[str, Any]:
             if _is_place(left.place)
         ],
         "team_finished": list(message.team_finished),
+        "limits": [number(message.time_limit, 1), number(message.distance_limit, 1)],
+        "way": number(message.distance, 0),
     }
 
 

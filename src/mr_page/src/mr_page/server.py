@@ -137,7 +137,8 @@ class _Live(_Handler, WebSocketHandler):
 
     async def on_message(self, message: str | bytes) -> None:
         """{"maps": [[robot, kind]]}: the maps that are looked at; {"past": s}: show what was at that time of the team's
-        clock; {"command": ..., "robot": ..., "to": robot that it is to be passed on to}: an order."""
+        clock; {"command": ..., "robot": ..., "to": robot that it is to be passed on to, "limits": [s, m]
+        of set_limits}: an order."""
         try:
             request = json.loads(message)
             if "maps" in request:
@@ -145,7 +146,8 @@ class _Live(_Handler, WebSocketHandler):
             elif "past" in request:
                 await self._show_past(float(request["past"]))
             else:
-                self._begin(str(request["robot"]), Order(str(request["command"]), str(request.get("to", ""))))
+                limits = tuple(float(limit) for limit in request.get("limits", ()))
+                self._begin(str(request["robot"]), Order(str(request["command"]), str(request.get("to", "")), limits))
         except (ValueError, KeyError, TypeError, AttributeError):
             self.close(1007, "this is no request of a page")
 

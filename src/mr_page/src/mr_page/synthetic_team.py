@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose
-from mr_page.commands import PASS_ON, Answer, Order
+from mr_page.commands import PASS_ON, SET_LIMITS, Answer, Order
 from mr_page.state import PageState
 from mr_page.watch import RobotWatch
 
@@ -22,7 +22,7 @@ REACH = 40.0  # m of the radio
 SPEED = 0.5  # m/s
 STEP = 0.1  # s
 MAP_PERIOD = 2.0  # s
-COMMANDS = ("start", "pause", "resume", "stop", "go_home")
+COMMANDS = ("start", "pause", "resume", "stop", "go_home", SET_LIMITS)
 CONTROL = ("team_pause", "pass_on_start", "pass_on_pause", "pass_on_resume")  # offered by the first robot
 
 
@@ -61,6 +61,7 @@ class SyntheticRobot:
         self.goals: list[tuple[int, int]] = []
         self.bytes_sent = 0
         self.paused = False
+        self.limits = [0.0, 0.0]
         self.map_due = 0.3 * number
         self._rng = rng
         self.watch.about(start=[round(value, 4) for value in self.place], base=False)
@@ -153,7 +154,10 @@ class SyntheticTeam:
                 self._tell_maps(robot)
 
     def obey(self, robot: SyntheticRobot, order: Order) -> Answer:
-        """Synthetic robots can pause and go on; the first one passes that on."""
+        """Synthetic robots can pause, go on and take limits; the first one passes the former on."""
+        if order.command == SET_LIMITS:
+            robot.limits = list(order.limits)
+            return Answer(True, f"ends after {order.limits[0]:g} s or {order.limits[1]:g} m")
         command = order.command.removeprefix(PASS_ON)
         if command not in ("pause", "resume"):
             return Answer(False, f"{command} is not made up")
@@ -209,6 +213,7 @@ class SyntheticTeam:
                 "reason": f"bid 7.2 m, the lowest of 4 clusters; {other.name} bids 9.1 m", "strategy": "tours",
                 "bids": bids, "unit": 7, "shares": {robot.name: place}, "left": [], "team_finished": [],
                 "area": round(float(np.count_nonzero(robot.known)) * RESOLUTION**2, 1), "rest": 300,
+                "limits": robot.limits, "way": round(SPEED * max(0.0, self.now - 100.0)),
             },
             self.now,
         )  # fmt: skip

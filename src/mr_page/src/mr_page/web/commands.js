@@ -1,6 +1,7 @@
 // What can be asked of robots, and why not at the moment.
 
 import { byId, button, make, setText } from "./dom.js";
+import { LimitForm } from "./limits.js";
 
 const ended = ({ state }) => (state?.state === "finished" ? "has come to rest already" : "");
 const waitsForStart = ({ state }) => !state || state.state === "starting";
@@ -35,7 +36,11 @@ const RADIO = {
   },
   radio_on: { text: "Radio on", hint: "Repair it", not: (v) => (v.radio_off ? "" : "has its radio") },
 };
-const COMMANDS = { ...ORDERS, ...RADIO };
+const LIMITS = {
+  set_limits: { text: "Set limits", hint: "End the exploration after this time or way; empty: no limit", not: ended },
+};
+const BUTTONS = { ...ORDERS, ...RADIO };
+const COMMANDS = { ...BUTTONS, ...LIMITS };
 const TEAM = "team_"; // before the name of an order to all that a robot's radio reaches
 const PASS_ON = "pass_on_"; // before the name of one to a single robot that it reaches
 
@@ -49,7 +54,7 @@ export function whyNot(robot, order, way = "", to = "") {
   }
   if (!values.services?.[way + order]) return `${name} offers no service ${SERVICES[way](order)}`;
   if (way === TEAM) return "";
-  const why = way === PASS_ON ? whyNotHeard(values.team?.robots[to], order) : ORDERS[order].not(values);
+  const why = way === PASS_ON ? whyNotHeard(values.team?.robots[to], order) : COMMANDS[order].not(values);
   return why && `${to || name} ${why}`;
 }
 
@@ -59,7 +64,7 @@ const SERVICES = {
 
 /** The same of one that has told how it is over the radio; an order to hold may still be on its way to it. */
 function whyNotHeard(heard, order) {
-  return heard?.state && order !== "resume" ? ORDERS[order].not({ state: heard }) : "";
+  return heard?.state && order !== "resume" ? COMMANDS[order].not({ state: heard }) : "";
 }
 
 /** Whether a robot can pass orders on to the others. */
@@ -83,7 +88,7 @@ function passing(robot) {
 }
 
 export class CommandBar {
-  /** `order(robot, command, to)` sends one, and says whether it was sent. */
+  /** `order(robot, command, to, limits)` sends one, and says whether it was sent. */
   constructor(order) {
     this._order = order;
     this._unanswered = ""; // label of what was sent last, until there is an answer
@@ -93,11 +98,14 @@ export class CommandBar {
     this._select.addEventListener("change", () => this._show());
     this._buttons = {};
     byId("commands").append(this._select);
-    for (const [name, { text, hint }] of Object.entries(COMMANDS)) {
-      this._buttons[name] = button(text, hint, () => this._press(name));
-      this._buttons[name].id = `command-${name}`;
-      byId("commands").append(this._buttons[name]);
-    }
+    for (const name of Object.keys(BUTTONS)) byId("commands").append(this._button(name, () => this._press(name)));
+    this._limits = new LimitForm(this._button("set_limits", () => this._press("set_limits", this._limits.given)));
+  }
+
+  _button(name, pressed) {
+    const made = (this._buttons[name] = button(COMMANDS[name].text, COMMANDS[name].hint, pressed));
+    made.id = `command-${name}`;
+    return made;
   }
 
   /** The robots that there are now. */
@@ -118,6 +126,7 @@ export class CommandBar {
 
   answered({ robot, command, done, text }) {
     this._unanswered = "";
+    if (command === "set_limits" && done) this._limits.taken();
     this._say(`${robot}: ${text || (done ? "done" : `${command} was refused`)}`, done);
   }
 
@@ -128,13 +137,15 @@ export class CommandBar {
       element.setAttribute("aria-disabled", String(!able));
       element.title = able ? COMMANDS[name].hint : reasons[0] ?? "there is no robot";
     }
+    const { robots, way } = this._chosen();
+    this._limits.fill(way ? [] : robots);
   }
 
-  _press(name) {
+  _press(name, limits) {
     const reasons = this._reasons(name), { robots, way, to } = this._chosen(), able = robots.filter((_, i) => !reasons[i]);
     if (!able.length) return this._say(this._buttons[name].title, false);
     this._say(`${COMMANDS[name].text}: ${to || able.map((robot) => robot.name).join(", ")} …`, true);
-    const sent = able.map((robot) => this._order(robot.name, name in ORDERS ? way + name : name, to));
+    const sent = able.map((robot) => this._order(robot.name, name in ORDERS ? way + name : name, to, limits));
     if (sent.every(Boolean)) this._unanswered = COMMANDS[name].text;
     else this._say(`no connection: ${COMMANDS[name].text} was not sent`, false);
   }

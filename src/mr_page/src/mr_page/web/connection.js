@@ -38,9 +38,9 @@ export class Connection {
     return true;
   }
 
-  /** `to`: the robot to which it is to be passed on, empty: to none. Whether it was sent. */
-  order(robot, command, to) {
-    return this._send(JSON.stringify(to ? { robot, command, to } : { robot, command }));
+  /** `to`: the robot to which it is to be passed on, empty: to none; `limits`: [s, m] of set_limits. Whether it was sent. */
+  order(robot, command, to, limits) {
+    return this._send(JSON.stringify({ robot, command, ...(to && { to }), ...(limits && { limits }) }));
   }
 
   /** What was at a time of the team's clock comes to `tookPast(update)`. */

@@ -110,7 +110,7 @@ export class Playback {
   _listen() {
     this.keys({});
     document.addEventListener("keydown", (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT") return;
+      if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT" || event.target.type === "number") return;
       // Buttons, boxes and summaries keep what space means to them.
       if (event.key === " " && (["BUTTON", "SUMMARY"].includes(event.target.tagName) || event.target.type === "checkbox")) return;
       if (!this._keys[event.key]) return;

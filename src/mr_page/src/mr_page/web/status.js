@@ -67,7 +67,7 @@ const connection = new Connection({
   },
 });
 const past = new Past(theme, (time) => connection.askForPast(time));
-const commands = new CommandBar((robot, command, to) => connection.order(robot, command, to));
+const commands = new CommandBar((...order) => connection.order(...order));
 let shown = live; // what is to be seen: it, or the past
 
 /** The robots that can be looked at as the options of the list of views, and the view that is chosen. */
