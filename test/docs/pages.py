@@ -7,6 +7,11 @@ from pathlib import Path
 from typing import Dict, Iterator, List, NamedTuple, Tuple
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+# With what a command in a table begins; a name alone is talked about, not run.
+TABLE_COMMAND = re.compile(
+    r"((sudo|[A-Z_]+=\S+) )*"
+    r"(ros[a-z]+|python3|make|tools/\S+|iw|ip|git|source|getcap|setcap|apt|systemctl|journalctl|nmcli) \S"
+)
 OTHER_FOLDERS = {"build", "devel", "install", "out", ".git", ".pytest_cache"}
 
 
@@ -56,8 +61,9 @@ def anchors(page: Path) -> Tuple[str, ...]:
 
 
 def commands(page: Path) -> Iterator[Command]:
-    """Those in fenced blocks of shell and in indented ones: one for each line, and for each part of a pipe or list."""
-    for number, line in shell_lines(page):
+    """Those in fenced blocks of shell, in indented ones and in tables: one for each line, and for each part of a pipe
+    or list."""
+    for number, line in (*shell_lines(page), *table_lines(page)):
         for part in re.split(r"\s(?:&&|\|\||\|)\s|;\s", line):
             try:
                 words = shlex.split(part, comments=True)
@@ -75,6 +81,15 @@ def _nested(page: Path, number: int, words: List[str]) -> Iterator[Command]:
     if words[:3] == ["rosrun", "mr_launch", "enter"]:
         rest = words[3:]
         yield from _nested(page, number, rest[3:] if rest[:1] == ["--team"] else rest[1:])
+
+
+def table_lines(page: Path) -> Iterator[Tuple[int, str]]:
+    """Commands in the cells of tables, whole ones: none with `...` in it."""
+    for number, line in _text_lines(page):
+        if line.lstrip().startswith("|"):
+            for code in re.findall(r"`([^`]+)`", line):
+                if TABLE_COMMAND.match(code) and "..." not in code:
+                    yield number, code
 
 
 def _text_lines(page: Path) -> Iterator[Tuple[int, str]]:
