@@ -11,7 +11,7 @@ test: build
 	@tools/install_dependencies browser
 	@$(ENVIRONMENT) tools/test
 
-# Runs the commands of the README and of the tutorials, shortened: five minutes.
+# Runs the commands of the README, of the tutorials and of all tables, shortened: five minutes.
 test-commands: build
 	@tools/install_dependencies browser
 	@$(ENVIRONMENT) python3 -m pytest -q test/commands

@@ -75,3 +75,11 @@ def _ran(output: str, index: int) -> Ran:
     if found is None:
         return Ran(-1, f"it did not end; all so far:\n{output[-3000:]}")
     return Ran(int(found[2]), found[1])
+
+
+def fault(line: Line, ran: Ran) -> str:
+    """Why it has not done what it should, with the end of what it told; empty: it has."""
+    signs = [sign for sign in ("Traceback", "success: False") if sign in ran.output]
+    if ran.code == 0 and not signs:
+        return ""
+    return f"{line.words}\nexit code {ran.code} {' '.join(signs)}\n{ran.output[-3000:]}"

@@ -1,4 +1,4 @@
-"""What a test does with each command of the README and the tutorials: how it is shortened, or why it is not run.
+"""What a test does with each command of the pages: how it is shortened, or why it is not run.
 
 A command that no row fits fails the test, and so does a row that no command fits.
 """
@@ -19,22 +19,21 @@ class Where(Enum):
 
 
 RADIO = "sets up a wireless card, as root"
-BUILDS = "installs and builds: what every test needs before it begins"
 SYSTEM = "changes the user's system, as root"
 
 NOT_RUN: Dict[Pattern[str], str] = {
     re.compile(words): reason
     for words, reason in {
-        r"make (demo|build)\b": BUILDS,
-        r"make test\b": "this test is a part of it",
         r"git stash\b": "changes the checkout",
         r"scp ": "needs another computer",
         r"sudo (nmcli|ip|iw) ": RADIO,
+        r"iw (dev wlan0|list)\b": "looks at a wireless card",
         r"sudo systemctl ": SYSTEM,
         r"sudo (setcap|apt|cp|useradd|install) ": SYSTEM,
         r"(printf|echo) .*\| sudo tee ": SYSTEM,
         r"journalctl ": "needs the services of a real robot",
         r"rosrun mr_launch enter robot_0 rviz ": "needs a display",
+        r"rostopic echo -n1 /mission_control/team$": "needs a base station",
         r"tools/bench_missions ": "whole missions in real time, a minute at least",
         r"rosrun mr_experiments reference ": "ten missions at least; test_map_reference makes one of shorter ones",
         r"python3 -m pytest src/mr_experiments/test/test_guard.py": "a minute; is a test of mr_experiments by itself",
@@ -44,14 +43,25 @@ NOT_RUN: Dict[Pattern[str], str] = {
 MISSIONS = r"rosrun mr_launch team "
 RUNS = r"rosrun mr_experiments run "
 
+# What only names a program is asked what it does.
+NAMED = (
+    r"python3 -m (?:map_merger register|explorer)"
+    r"|rosrun (?:mr_launch team|mr_sim (?:stageros|world)|adhoc_communication team_key)"
+)
+IN_ROBOT_0, IN_ROBOT_1 = "rosrun mr_launch enter robot_0", "rosrun mr_launch enter robot_1"
+
 # Each pattern is replaced in every command that it is found in, in this order.
 SHORTENED: Dict[Pattern[str], str] = {
     re.compile(words): instead
     for words, instead in {
-        # The mission of all others: the one with a page, of three robots, on a port that is free.
-        r"^rosrun mr_launch team --page$": "rosrun mr_launch team --robots 3 --page {port}",
+        # Targets are read to their last command, not made.
+        r"^make ": "make -n ",
+        rf"^({NAMED}|rosbag reindex)$": r"\1 --help",
+        # The mission of all others: the one with a page, of three robots, on a port that is free; slow, so that the
+        # robots still explore when the last command comes.
+        r"^rosrun mr_launch team --page$": "rosrun mr_launch team --robots 3 --page {port} --rtf 0.3 --duration 3600",
         # Further missions begin, and end after a second.
-        rf"^({MISSIONS}(?!--robots 3 --page).*?)( --robots \d)?$": r"\1 --robots 1 --no-bag --duration 1",
+        rf"^({MISSIONS}(?!--robots 3 --page|--help).*?)( --robots \d)?$": r"\1 --robots 1 --no-bag --duration 1",
         # Missions in virtual time: one, of one robot, in the small world; fast ones where nothing else is asked for.
         rf"^({RUNS}.*)--trials \d+": r"\1--trials 1",
         rf"^({RUNS}.*)--robots [\d ]*\d": r"\1--robots 1",
@@ -67,9 +77,28 @@ SHORTENED: Dict[Pattern[str], str] = {
         r"^(rosrun mr_experiments publish pages) docs/results/README.md": r"\1 --check docs/results/README.md",
         # A real robot: no wlan0 here, so its nodes are read and named, not started.
         r"^roslaunch (.*interface:=wlan0.*|mr_launch .*|explorer .*|mr_sim .*)$": r"roslaunch --nodes \1",
+        # What goes on until Ctrl-C does not.
+        r"^rosrun adhoc_communication radio --hub /tmp/hub$":
+            "timeout --preserve-status --signal INT 2 rosrun adhoc_communication radio --hub out/hub",
+        r"^rostopic hz ": "timeout --preserve-status --signal INT 5 rostopic hz ",
+        r"^rostopic echo (?!-n1)": "rostopic echo -n1 ",
+        r"^(rosrun tf2_tools echo.py) ": r"\1 -l 1 ",
+        # What a page says of a robot that stands, waits, has another sensor, or is not simulated; robot_1 is held.
+        r"^rostopic echo -n1 /cmd_vel$": "rostopic type /cmd_vel",
+        r"^rosservice call /explorer/resume$":
+            f"{IN_ROBOT_1} rosservice call /explorer/resume && {IN_ROBOT_1} rosservice call /explorer/pause",
+        r"^rosservice call /explorer/start$": f"{IN_ROBOT_0} rosservice info /explorer/start",
+        r"(?<= )/scan\b": "/base_scan",
+        r"(?<=base_link )laser$": "base_laser_link",
+        r"^rosparam set /use_sim_time false$": "rosparam get /use_sim_time",
+        r"^(rosrun mr_launch doctor) --interface wlan0$": rf"{IN_ROBOT_0} \1",
+        # Files that pages take from the reader.
+        r"(--robot) my_robot.yaml$": r"\1 docs/examples/my_robot.yaml",
+        r"^(rosrun adhoc_communication team_key) show team.key$": r"\1 create team.key && \1 show team.key",
+        r"\bOUT/": "out/latest/",
         # In a simulated team anna and bob are robot_0 and robot_1, as the tutorials say.
-        r"^(rosservice call|rostopic|python3 docs/examples/send_battery.py|rosrun adhoc_communication adhoc_top)":
-            r"rosrun mr_launch enter robot_0 \1",
+        r"^(rosservice call|rostopic|rosnode|rosparam|timeout .* rostopic|rosrun tf2_tools"
+        r"|python3 docs/examples/send_battery.py|rosrun adhoc_communication adhoc_top)": rf"{IN_ROBOT_0} \1",
         r"\bbob\b(?= greeting|,|$)": "robot_1",
         r"^(rosrun mr_launch replay .*)--rate 4": r"\1--rate 30",
         r"^(rosrun mr_launch replay records .*)": r"\1 --rate 30",
@@ -77,7 +106,8 @@ SHORTENED: Dict[Pattern[str], str] = {
 }  # fmt: skip
 
 DURING = re.compile(r"^rosrun mr_launch enter ")
-AFTER = re.compile(r"^rosrun mr_launch (export|replay) ")
+AFTER = re.compile(r"^rosrun mr_(launch (export|replay)|experiments show out/latest/)")
+CHEAP = re.compile(r"^(make -n|roslaunch --nodes) |.* --help$")
 
 
 def reason_not_to_run(line: str) -> Optional[str]:
@@ -88,6 +118,11 @@ def shortened(line: str) -> str:
     for words, instead in SHORTENED.items():
         line = words.sub(instead, line)
     return line
+
+
+def is_cheap(line: str) -> bool:
+    """Of a line that was shortened: it ends in a second, and starts nothing."""
+    return CHEAP.match(line) is not None
 
 
 def where(line: str) -> Where:
