@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test test-commands build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page soak nightly experiments clean
+.PHONY: demo test test-commands build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page bench-doctor soak nightly experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -24,7 +24,7 @@ dependencies:
 	@tools/install_dependencies
 
 # Each prints its table and writes rows of JSON below out/bench.
-bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-page
+bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-page bench-doctor
 
 RADIO_PARTS = base goodput multicast mixed_rates routes idle priority
 RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios $(addprefix _,$(RADIO_PARTS)) _memory _medium _hosts _babel) out/bench/adhoc.json
@@ -122,6 +122,10 @@ bench-sim: build
 bench-page: build
 	@tools/install_dependencies browser
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_page bench_page --out out/bench/page.json
+
+# Set-ups that are really broken, one by one, as root: three minutes.
+bench-doctor: build
+	@mkdir -p out/bench && $(ENVIRONMENT) src/mr_launch/test/bench_doctor.py --out out/bench/doctor.json
 
 # Missions with all that goes wrong in the field, as root: two hours. SOAK_MINUTES=10, as nightly, runs each kind once,
 # and has no verdict on memory, which takes 30.
