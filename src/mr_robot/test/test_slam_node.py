@@ -1,5 +1,6 @@
 """The SLAM node without a master: scans and odometry of different clocks, drivers that start."""
 
+import threading
 from collections import deque
 from typing import List
 
@@ -59,6 +60,7 @@ def node(monkeypatch: pytest.MonkeyPatch) -> SlamNode:
     made._published_at, made._map_interval = -float("inf"), 2.0
     monkeypatch.setattr(made, "_publish_map", lambda stamp: None)
     made._broadcaster = Broadcaster()
+    made._lock = threading.Lock()
     return made
 
 
@@ -203,3 +205,19 @@ def test_while_drivers_start_nothing_is_said_of_the_lasers_place(
     now[0] = 15.0
     assert node._mount("laser") is None
     assert said == ["no transform from base_footprint to the laser yet: no laser"]
+
+
+def test_a_message_that_comes_while_the_node_ends_is_no_traceback(
+    node: SlamNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its publishers are closed then; Ctrl-C left a traceback for each robot that had just heard of its wheels."""
+
+    def publishing(_: Odometry) -> None:
+        raise rospy.ROSException("publish() to a closed topic")
+
+    guarded = node._guard(publishing)
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: True)
+    guarded(Odometry())
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
+    with pytest.raises(rospy.ROSException):
+        guarded(Odometry())

@@ -14,7 +14,7 @@ from sensor_msgs.msg import LaserScan
 from mr_grid import GridError, Pose
 from mr_grid.ros import NumpyOccupancyGrid, grid_message, yaw_of
 from mr_grid.ros_laser import Mount, mount_value
-from mr_grid.ros_node import init_node, warn_of_unknown_parameters
+from mr_grid.ros_node import init_node, until_shutdown, warn_of_unknown_parameters
 from mr_robot.parameter_names import FRAMES, SLAM, SLAM_INPUTS
 from mr_robot.platforms.engines import defaults_of
 from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, topic_parameters
@@ -73,7 +73,7 @@ class SlamNode:
 
         def guarded(message: T) -> None:
             try:
-                with self._lock:
+                with self._lock, until_shutdown():
                     handler(message)
             except (SlamError, GridError) as error:
                 rospy.logwarn_throttle(10.0, f"message dropped: {error}")
