@@ -28,6 +28,7 @@ class PoseInput:
     def __init__(self, topic: str, map_frame: str, buffer: tf2_ros.Buffer) -> None:
         self._map_frame, self._buffer = map_frame.lstrip("/"), buffer
         self._timer = Timer(POSE_PERIOD_S)
+        self._trouble = Timer(30.0, first=QUIET_S)
         self._latest: Optional[Any] = None
         self.base_frame = ""
         """Frame of the robot's body, as the odometry names it; empty until there is some."""
@@ -51,7 +52,8 @@ class PoseInput:
             stamp = odometry.header.stamp.to_sec()
             return (pose if frame == self._map_frame else self._to_map(frame).compose(pose)), stamp
         except tf2_ros.TransformException as error:
-            rospy.logwarn_throttle(30.0, f"map_merger does not know its position yet: {error}")
+            if self._trouble.fires(rospy.get_time()):
+                rospy.logwarn(f"map_merger does not know its position yet: {error}")
         except Exception as error:
             rospy.logwarn_throttle(30.0, f"map_merger ignored odometry: {error}")
         return None

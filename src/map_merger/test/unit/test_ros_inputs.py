@@ -90,21 +90,49 @@ def test_scans_of_a_tilted_laser_are_ignored_with_its_frame(monkeypatch):
     assert len(said) == 1 and "laser laser is tilted by 90 degrees" in said[0]
 
 
-def test_while_slam_starts_nothing_is_said_of_its_transforms(monkeypatch):
-    class Nothing:
-        def lookup_transform(self, *arguments):
-            raise ros_inputs.tf2_ros.TransformException("no map yet")
+class Nothing:
+    """SLAM that has no map yet."""
 
+    def lookup_transform(self, *arguments):
+        raise ros_inputs.tf2_ros.TransformException("no map yet")
+
+
+def scans_that_are_not_placed():
+    scans = ros_inputs.ScanInput("scan", "map", Nothing(), lambda: "base", lambda: True, lambda *_: None)
+    raw = raw_of(LaserScan(ranges=[1.0]))
+    return lambda: scans._on_scan(raw)
+
+
+def poses_that_are_not_placed():
+    poses = ros_inputs.PoseInput("odom", "map", Nothing())
+    raw = raw_of(Odometry())
+
+    def take():
+        poses._keep(raw)
+        assert poses.take() is None
+
+    return take
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (scans_that_are_not_placed, "map_merger cannot place its scans yet: no map yet"),
+        (poses_that_are_not_placed, "map_merger does not know its position yet: no map yet"),
+    ],
+    ids=["scans", "poses"],
+)
+def test_while_slam_starts_nothing_is_said_of_its_transforms(monkeypatch, made, words):
     said, now = [], [10.0]
     monkeypatch.setattr(ros_inputs.rospy, "Subscriber", lambda *arguments, **options: None)
     monkeypatch.setattr(ros_inputs.rospy, "get_time", lambda: now[0])
     monkeypatch.setattr(ros_inputs.rospy, "logwarn", said.append)
-    scans = ros_inputs.ScanInput("scan", "map", Nothing(), lambda: "base", lambda: True, lambda *_: None)
-    raw = raw_of(LaserScan(ranges=[1.0]))
+    monkeypatch.setattr(ros_inputs.rospy, "logwarn_throttle", lambda _, text: said.append(text))
+    come = made()
     for moment in (10.0, 12.0, 14.5):
         now[0] = moment
-        scans._on_scan(raw)
+        come()
     assert said == []
     now[0] = 15.5
-    scans._on_scan(raw)
-    assert said == ["map_merger cannot place its scans yet: no map yet"]
+    come()
+    assert said == [words]
