@@ -79,7 +79,7 @@ def test_a_signal_while_the_node_sends_ends_it(number: signal.Signals) -> None:
 @pytest.mark.parametrize("ended", [False, True])
 def test_topics_that_are_closed_matter_only_until_shutdown(monkeypatch: pytest.MonkeyPatch, ended: bool) -> None:
     """Nodes that were publishing at a Ctrl-C ended with a traceback."""
-    monkeypatch.setattr(rospy, "is_shutdown", lambda: ended)
+    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: ended)
     told = []
     try:
         with until_shutdown():

@@ -216,8 +216,8 @@ def test_a_message_that_comes_while_the_node_ends_is_no_traceback(
         raise rospy.ROSException("publish() to a closed topic")
 
     guarded = node._guard(publishing)
-    monkeypatch.setattr(rospy, "is_shutdown", lambda: True)
+    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: True)
     guarded(Odometry())
-    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
+    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: False)
     with pytest.raises(rospy.ROSException):
         guarded(Odometry())

@@ -53,7 +53,7 @@ def until_shutdown() -> Iterator[None]:
     try:
         yield
     except rospy.ROSException:
-        if not rospy.is_shutdown():
+        if not rospy.core.is_shutdown_requested():  # publishers are closed before is_shutdown() is true
             raise
 
 
