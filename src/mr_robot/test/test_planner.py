@@ -250,8 +250,8 @@ def test_a_map_without_traces_of_robots_is_not_copied() -> None:
 
 def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
     large = navigation_with(footprint_length=0.9, footprint_width=0.7, inflation_radius=0.8, largest_robot_radius=0.6)
-    assert OPTIONS.passing_distance == 0.781 and OPTIONS.reach_in(1.1) == 1.266
-    assert large.passing_distance == 1.37 and large.reach_in(1.1) == 1.545
+    assert OPTIONS.passing_distance == 0.781 and OPTIONS.reach == 1.266
+    assert large.passing_distance == 1.37 and large.reach == 1.545
     cells = np.zeros((80, 80), np.int8)
     cells[:, 0] = 100
     grid = OccupancyGrid.of(cells, 0.05)

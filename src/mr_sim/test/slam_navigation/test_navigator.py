@@ -262,8 +262,7 @@ AGILITY = _navigation.Agility(LIMITS)
 
 
 def may_drive(target: Tuple[float, float], obstacle: Tuple[float, float, float, float]) -> bool:
-    horizon = _navigation.Horizon()
-    horizon.duration = 0.2
+    horizon = _navigation.Horizon(0.2)
     return _navigation.is_clear((0.0, 0.0, 0.0), target, target, np.array([obstacle]), LIMITS, FOOTPRINT, horizon)
 
 
@@ -294,7 +293,7 @@ def test_a_margin_that_grows_with_speed_does_not_close_the_way_out() -> None:
 def test_out_along_a_wall_whose_cells_are_not_in_line() -> None:
     """Beside a wall in a slanting map every motion came a third of a millimetre nearer to some cell: none was open."""
     cells = np.array([(-0.15, -0.219, 0.02, 0.0), (-0.30, -0.2187, 0.02, 0.0)])
-    horizon = _navigation.Horizon()
+    horizon = _navigation.Horizon(1.1)
     motion = ((0.0, 0.0, 0.0), (0.0, 0.0), (-0.15, 0.0), cells, LIMITS, FOOTPRINT, horizon)
     assert not _navigation.is_clear(*motion)
     horizon.slack = 0.002
@@ -353,8 +352,8 @@ def test_a_manoeuvre_can_begin(points: List[Tuple[float, float]], goal: Tuple[fl
 def may_begin(rows: np.ndarray, obstacles: np.ndarray) -> bool:
     seconds = rows[1, 4] - rows[0, 4]
     way = rows[1, 3] * math.dist(rows[0, :2], rows[1, :2])
-    horizon = _navigation.Horizon()
-    horizon.duration, horizon.slack = _navigation.RAMP, _navigation.SLACK
+    horizon = _navigation.Horizon(_navigation.RAMP)
+    horizon.slack = _navigation.SLACK
     target = (way / seconds, (rows[1, 2] - rows[0, 2]) / seconds)
     return _navigation.is_clear((1.0, 2.0, 0.0), (0.0, 0.0), target, obstacles, LIMITS, FOOTPRINT, horizon)
 

@@ -186,7 +186,7 @@ PYBIND11_MODULE(_navigation, module) {
       .def_readonly("half_length", &Footprint::half_length)
       .def_readonly("half_width", &Footprint::half_width);
   py::class_<Horizon>(module, "Horizon")
-      .def(py::init<>())
+      .def(py::init([](double duration) { return Horizon{duration}; }), py::arg("duration"))
       .def_readwrite("duration", &Horizon::duration)
       .def_readwrite("step", &Horizon::step)
       .def_readwrite("goal_radius", &Horizon::goal_radius)

@@ -164,8 +164,7 @@ class Search {
 
   // Whether the robot, which stands, may set off like that.
   bool begins(const Velocity& target) const {
-    Horizon horizon;
-    horizon.duration = kRamp;
+    Horizon horizon{kRamp};
     horizon.slack = kSlack;
     return is_clear(start_, {0.0, 0.0}, target, obstacles_, agility_.limits, footprint_, horizon);
   }

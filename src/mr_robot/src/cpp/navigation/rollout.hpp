@@ -13,7 +13,6 @@ namespace mr_robot::navigation {
 constexpr double kProgress = 0.1;       // m of motion that count as one; what is less is SLAM's
 constexpr double kTouching = 0.03;      // m to obstacles, less than which may be a touch: poses and points are inexact
 constexpr double kSlack = 0.002;        // m that a motion may come nearer to what the body touches already
-constexpr double kHorizon = 1.1;        // s that local control looks ahead
 constexpr double kHeadingWeight = 0.7;  // s of turning towards the way after that, counted as this share of driving
 constexpr double kSteadiness = 0.02;    // s that a rad/s of change counts
 constexpr double kRamp = 0.4;           // s of a motion that have to be clear when it begins
@@ -39,9 +38,9 @@ struct Footprint {
 };
 
 struct Horizon {
-  double duration = kHorizon, step = 0.1;  // s
-  double goal_radius = 0.1;                // m, a motion that comes this near to the goal is complete
-  double slack = 0.0;                      // m nearer than now that a robot within touching distance may come
+  double duration, step = 0.1;  // s
+  double goal_radius = 0.1;     // m, a motion that comes this near to the goal is complete
+  double slack = 0.0;           // m nearer than now that a robot within touching distance may come
 };
 
 // Cost to go on a grid, in cells of time at full speed.

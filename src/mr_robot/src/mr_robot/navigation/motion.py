@@ -38,7 +38,7 @@ class Motion:
 
     def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Velocity]:
         """None where nothing is safe, not even to brake gently."""
-        horizon = _navigation.Horizon()
+        horizon = _navigation.Horizon(self._options.horizon)
         tolerance = self._options.xy_goal_tolerance
         horizon.goal_radius = max(tolerance - _navigation.TOUCHING, 0.5 * tolerance)
         found, linear, angular, _, _ = _navigation.choose_velocity(
@@ -48,8 +48,8 @@ class Motion:
         return (linear, angular) if found else None
 
     def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity, duration: float = _navigation.RAMP) -> bool:
-        horizon = _navigation.Horizon()
-        horizon.duration, horizon.slack = duration, _navigation.SLACK
+        horizon = _navigation.Horizon(duration)
+        horizon.slack = _navigation.SLACK
         return _navigation.is_clear(pose, self.velocity, target, obstacles, self.limits, self.footprint, horizon)
 
     def towards(self, target: Velocity) -> Velocity:

@@ -81,16 +81,26 @@ class NavigationOptions:
         return round(self.circumscribed_radius + self.largest_robot_radius + 2.0 * self.moving_margin, 3)
 
     @property
-    def braking_time(self) -> float:
-        """s from full speed to rest, with the period in which that is decided."""
-        braking = max(
+    def ramp(self) -> float:
+        """s between rest and full speed."""
+        return max(
             self.max_linear_velocity / self.linear_acceleration, self.max_angular_velocity / self.angular_acceleration
         )
-        return braking + self.controller_period
 
-    def reach_in(self, seconds: float) -> float:
-        """Metres around the robot's centre in which obstacles bear on a motion of that duration."""
-        way = self.max_linear_velocity * (seconds + self.moving_reaction_time)
+    @property
+    def braking_time(self) -> float:
+        """s from full speed to rest, with the period in which that is decided."""
+        return self.ramp + self.controller_period
+
+    @property
+    def horizon(self) -> float:
+        """s that local control looks ahead: a motion shows what it is worth at full speed, and has to end well."""
+        return self.ramp + self.braking_time
+
+    @property
+    def reach(self) -> float:
+        """Metres around the robot's centre in which obstacles bear on the next motion."""
+        way = self.max_linear_velocity * (self.horizon + self.moving_reaction_time)
         return round(way + self.circumscribed_radius + 3.0 * self.moving_margin, 3)
 
 

@@ -12,9 +12,6 @@ from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, STANDING, Navi
 
 Point = Tuple[float, float]
 
-SOON = tuple(
-    share * _navigation.Horizon().duration for share in (0.25, 0.5, 0.75, 1.0)
-)  # s, when a robot is where it will be if it drives on: as long as motions look ahead
 # Unit vectors (12, 2) all around, for the rim of a robot.
 CIRCLE = np.stack([np.cos(np.arange(12) * math.pi / 6.0), np.sin(np.arange(12) * math.pi / 6.0)], axis=1)
 
@@ -40,11 +37,13 @@ class OtherRobots:
         self._tracks: Dict[str, _Track] = {}
         self._heard_at = -math.inf
         self._fastest = options.max_linear_velocity
+        # s, when a robot is where it will be if it drives on: as long as motions look ahead
+        self._soon = [share * options.horizon for share in (0.25, 0.5, 0.75, 1.0)]
         self._half_size = (0.5 * options.footprint_length, 0.5 * options.footprint_width)
         self._radius, self._wall_margin = options.largest_robot_radius, options.obstacle_margin
         self._rim = round(options.largest_robot_radius - _navigation.TOUCHING, 3) * CIRCLE
         # m, from where on a robot will be nowhere near soon, with room for rounding.
-        self._far = 2.0 * REACH + self._fastest * (STANDING + SOON[-1])
+        self._far = 2.0 * REACH + self._fastest * (STANDING + options.horizon)
         self._margins = (options.moving_margin, options.moving_reaction_time)
 
     def hear(self, positions: Mapping[str, Point], now: float) -> List[str]:
@@ -114,5 +113,5 @@ class OtherRobots:
     def _ground_of(self, name: str, now: float) -> List[Point]:
         track = self._tracks[name]
         age = min(max(0.0, now - track.at), STANDING)
-        soon = SOON if name < self._name else ()
+        soon = self._soon if name < self._name else ()
         return [track.place] + [track.after(age + seconds) for seconds in (0.0, *soon)]
