@@ -8,7 +8,7 @@ from typing import Dict
 ROOT = Path(__file__).parents[1]
 # Of tables, searches and numerics: whatever they are, the robot drives alike.
 BOUNDS = {
-    "FEEDBACK_PERIOD", "MOST_ROTATION", "REMEMBERED_LIMIT", "kCell", "kHeadings", "kStep", "kMostNodes",
+    "FEEDBACK_PERIOD", "MOST_ROTATION", "REMEMBERED_LIMIT", "kHeadings", "kStep", "kMostNodes",
     "kPerCost", "kTurns", "SQUARES_KEPT",
 }  # fmt: skip
 

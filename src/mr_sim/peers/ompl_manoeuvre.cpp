@@ -126,7 +126,10 @@ class Ground {
  public:
   Ground(const Field& field, const Pose& start, const std::vector<Obstacle>& obstacles, const Footprint& footprint,
          const Agility& agility)
-      : field_(field), start_(start), agility_(agility), body_(start, kReach + 2.0 * kStep, obstacles, footprint) {
+      : field_(field),
+        start_(start),
+        agility_(agility),
+        body_(start, kReach + 2.0 * kStep, 0.5 * kStep, obstacles, footprint) {
     least_ = std::min(kTouching, body_.clearance(start) - kSlack);
     starts_roomy_ = body_.roomy(start);
   }

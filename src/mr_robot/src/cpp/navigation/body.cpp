@@ -4,19 +4,16 @@
 #include <cmath>
 
 namespace mr_robot::navigation {
-namespace {
 
-constexpr double kCell = 0.05;  // m
-
-}  // namespace
-
-Body::Body(const Pose& place, double reach, const std::vector<Obstacle>& obstacles, const Footprint& footprint)
+Body::Body(const Pose& place, double reach, double cell, const std::vector<Obstacle>& obstacles,
+           const Footprint& footprint)
     : footprint_(footprint),
       all_(obstacles),
+      cell_(cell),
       circle_(std::hypot(footprint.half_length, footprint.half_width)),
       left_(place.x - reach),
       bottom_(place.y - reach),
-      side_(static_cast<int>(std::ceil(2.0 * reach / kCell)) + 1),
+      side_(static_cast<int>(std::ceil(2.0 * reach / cell)) + 1),
       cells_(static_cast<std::size_t>(side_) * side_) {}
 
 double Body::clearance(const Pose& pose) {
@@ -41,14 +38,14 @@ bool Body::roomy(const Pose& pose) {
 }
 
 const std::vector<Obstacle>& Body::near(const Pose& pose) {
-  const int column = std::clamp(static_cast<int>((pose.x - left_) / kCell), 0, side_ - 1);
-  const int row = std::clamp(static_cast<int>((pose.y - bottom_) / kCell), 0, side_ - 1);
+  const int column = std::clamp(static_cast<int>((pose.x - left_) / cell_), 0, side_ - 1);
+  const int row = std::clamp(static_cast<int>((pose.y - bottom_) / cell_), 0, side_ - 1);
   Cell& cell = cells_[static_cast<std::size_t>(row) * side_ + column];
   if (!cell.known) {
     cell.known = true;
-    const double x = left_ + (column + 0.5) * kCell, y = bottom_ + (row + 0.5) * kCell;
+    const double x = left_ + (column + 0.5) * cell_, y = bottom_ + (row + 0.5) * cell_;
     for (const Obstacle& point : all_) {
-      const double dx = point.x - x, dy = point.y - y, reach = circle_ + kMost + kCell + point.margin;
+      const double dx = point.x - x, dy = point.y - y, reach = circle_ + kMost + cell_ + point.margin;
       if (dx * dx + dy * dy < reach * reach) cell.obstacles.push_back(point);
     }
   }

@@ -10,7 +10,9 @@ namespace mr_robot::navigation {
 class Body {
  public:
   // `reach`: m around the place within which poses are asked about.
-  Body(const Pose& place, double reach, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
+  // `cell`: m, of the look-up.
+  Body(const Pose& place, double reach, double cell, const std::vector<Obstacle>& obstacles,
+       const Footprint& footprint);
 
   // m, less the margins of the obstacles; `kMost` where nothing is near.
   double clearance(const Pose& pose);
@@ -30,7 +32,7 @@ class Body {
 
   Footprint footprint_;
   std::vector<Obstacle> all_;
-  double circle_, left_, bottom_;
+  double cell_, circle_, left_, bottom_;
   int side_;
   std::vector<Cell> cells_;
 };

@@ -13,9 +13,9 @@ namespace mr_robot::navigation {
 namespace {
 
 constexpr double kReach = 0.9;              // m around the start; obstacles are known not much farther
-constexpr double kCell = 0.05;              // m
 constexpr int kHeadings = 32;               // of a whole turn
 constexpr double kStep = 0.1;               // m of one motion
+constexpr double kCell = 0.5 * kStep;       // m, so that each motion leaves its cell
 constexpr double kTight = 2.0 * kTouching;  // m to obstacles, less than which costs
 constexpr double kTightCost = 2.0;          // times the time, with none left or to turn where there is no room for it
 constexpr double kUnknownCost = 10.0;       // times the time, to back over what the map does not show
@@ -51,7 +51,7 @@ class Search {
         obstacles_(obstacles),
         footprint_(footprint),
         agility_(agility),
-        body_(start, kReach + kCell, obstacles, footprint) {
+        body_(start, kReach + kCell, kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = least_clearance(at_start_, kSlack);
     starts_roomy_ = body_.roomy(start);
