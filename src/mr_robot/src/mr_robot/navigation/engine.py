@@ -18,15 +18,22 @@ from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
 from mr_robot.navigation.look_around import LookAround
 from mr_robot.navigation.motion import STOP, Motion
-from mr_robot.navigation.options import AT_REST, PROGRESS, REACH, STANDING, NavigationError, NavigationOptions, Scan
+from mr_robot.navigation.options import (
+    AT_REST,
+    CREEPING,
+    PROGRESS,
+    REACH,
+    STANDING,
+    NavigationError,
+    NavigationOptions,
+    Scan,
+)
 from mr_robot.navigation.other_robots import OtherRobots
 from mr_robot.navigation.planner import CostMap, Plan, path
 from mr_robot.navigation.route import Route
 from mr_robot.navigation.stall import StallWatch
 from mr_robot.navigation.surroundings import Hazards, Surroundings
 from mr_robot.navigation.yielding import HeldUp, Point, Retreat, find_retreat
-
-CREEPING = PROGRESS / STANDING  # m/s
 
 
 class Mode(Enum):

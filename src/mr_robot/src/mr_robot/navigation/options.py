@@ -16,6 +16,7 @@ LEAST_TURN = 0.3  # rad
 REACH = 1.4
 LONGEST_DETOUR = 5.0  # m that a robot goes out of its way, around what moves or to let it pass
 STANDING = 2.5  # s without progress after which a robot does not get on as it is
+CREEPING = PROGRESS / STANDING  # m/s
 AT_REST = 8.0  # s after which what has not moved is taken to stay, and what was to come or pass is no longer waited for
 
 

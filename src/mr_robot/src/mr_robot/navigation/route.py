@@ -8,10 +8,8 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot.navigation.command import GivenUp
-from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, REACH, NavigationOptions
+from mr_robot.navigation.options import AT_REST, CREEPING, LONGEST_DETOUR, PROGRESS, REACH, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, from_here, plan
-
-TIME_FACTOR = 5.0  # times what the way takes at full speed, allowed for it beside the timeout of a blocked one
 
 
 @dataclass
@@ -121,10 +119,9 @@ class Route:
         self.plan = way
 
     def _allow(self, left: float, now: float) -> None:
-        """Time for a way of `left` m."""
+        """Time for a way of `left` m, if the robot only just gets on, and to be blocked once."""
         assert self._goal is not None
-        seconds = TIME_FACTOR * left / self._options.max_linear_velocity
-        self._goal.deadline = now + self._options.blocked_timeout + seconds
+        self._goal.deadline = now + self._options.blocked_timeout + left / CREEPING
 
     def _prefer(self, now: float, pose: Pose, known: Plan, around: Optional[Plan]) -> Plan:
         """Around what moves when that is not far; else up to it, waiting. Raises GivenUp when it has not moved for
