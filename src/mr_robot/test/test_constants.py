@@ -5,6 +5,8 @@ import re
 from pathlib import Path
 from typing import Dict
 
+from mr_robot.navigation.options import CREEPING, NavigationOptions
+
 ROOT = Path(__file__).parents[1]
 # Of tables, searches and numerics: whatever they are, the robot drives alike.
 BOUNDS = {
@@ -30,6 +32,13 @@ def test_the_numbers_with_a_name_are_as_many_as_the_text_says() -> None:
     assert int(told[1]) == named + sum(bool(re.search(r"\d", value)) for value in compiled)
     assert int(told[2]) == len(_of_python()) + len(plain)
     assert int(told[3]) == len(_told())
+
+
+def test_what_follows_from_the_robot_is_as_the_text_says() -> None:
+    options = NavigationOptions()
+    table = _text().partition("**What follows from the robot.**")[2].partition("**Constants.**")[0]
+    told = [float(number) for number in re.findall(r"^\| that .* \| ([\d.]+) .* \| .* \|$", table, re.MULTILINE)]
+    assert told == [round(value, 2) for value in (options.horizon, options.reach, 1.0 / CREEPING)]
 
 
 def _of_python() -> Dict[str, float]:
