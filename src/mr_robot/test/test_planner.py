@@ -258,3 +258,9 @@ def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
     for options, reach in ((OPTIONS, 0.45), (large, 0.61)):
         opened = CostMap(grid, options).slowness(np.empty((0, 2)), Pose(0.1, 2.0, 0.0)) == 12.0
         assert np.ptp(np.flatnonzero(opened.any(axis=1))) * 0.05 / 2 == pytest.approx(reach, abs=0.05)
+
+
+def test_a_robot_that_brakes_slowly_looks_as_much_farther() -> None:
+    slow = NavigationOptions(linear_acceleration=0.25)
+    assert slow.horizon == pytest.approx(2.0 + 2.0 + slow.controller_period)
+    assert slow.reach == pytest.approx(OPTIONS.reach + 0.5 * (slow.horizon - OPTIONS.horizon), abs=1e-3)
