@@ -5,7 +5,9 @@ import re
 from pathlib import Path
 from typing import Dict
 
-from mr_robot.navigation.options import CREEPING, NavigationOptions
+from usual_robot import navigation_with
+
+from mr_robot.navigation.options import CREEPING
 
 ROOT = Path(__file__).parents[1]
 # Of tables, searches and numerics: whatever they are, the robot drives alike.
@@ -35,7 +37,7 @@ def test_the_numbers_with_a_name_are_as_many_as_the_text_says() -> None:
 
 
 def test_what_follows_from_the_robot_is_as_the_text_says() -> None:
-    options = NavigationOptions()
+    options = navigation_with()
     table = _text().partition("**What follows from the robot.**")[2].partition("**Constants.**")[0]
     told = [float(number) for number in re.findall(r"^\| that .* \| ([\d.]+) .* \| .* \|$", table, re.MULTILINE)]
     assert told == [round(value, 2) for value in (options.horizon, options.reach, 1.0 / CREEPING)]

@@ -261,6 +261,6 @@ def test_room_to_get_free_and_to_pass_follows_the_size_of_the_robots() -> None:
 
 
 def test_a_robot_that_brakes_slowly_looks_as_much_farther() -> None:
-    slow = NavigationOptions(linear_acceleration=0.25)
+    slow = navigation_with(linear_acceleration=0.25)
     assert slow.horizon == pytest.approx(2.0 + 2.0 + slow.controller_period)
     assert slow.reach == pytest.approx(OPTIONS.reach + 0.5 * (slow.horizon - OPTIONS.horizon), abs=1e-3)
