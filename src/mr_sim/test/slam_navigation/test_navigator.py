@@ -463,6 +463,13 @@ def test_a_robot_that_stands_along_a_wall_gets_away_from_it(
     assert robot.contacts == 0
 
 
+def test_a_robot_between_a_desk_and_a_corner_gets_out(draw_world: Callable[..., str]) -> None:
+    """By scans and map it touched something already, and any motion led nearer: it stood there for nine minutes."""
+    loop = ClosedLoop(draw_world((4, 4), [(0.65, 2.6, 0.8, 0.8)], [(0.396, 3.599, -160.4)]), 1, 5)
+    drive(loop, [Pose(0.35, 2.05, 0.0)], 50.0)
+    assert_arrived(loop.robots[0])
+
+
 def test_a_new_goal_does_not_hide_that_the_robot_is_stuck() -> None:
     """A robot that stood was given another goal every few seconds, and none was old enough for a recovery."""
     # The blind end of a corridor of half a metre, with the goals at its other end.

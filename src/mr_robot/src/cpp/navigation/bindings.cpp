@@ -275,14 +275,15 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "manoeuvre",
       [](const Floats& cost, const Bytes& cells, double resolution, const Pair& origin, const Pair& goal,
-         const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility) {
+         const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility,
+         double slack) {
         require(same_shape(cells, cost), "cells and cost need the same shape (rows, columns)");
         const Field field = to_field(cost, resolution, origin, goal);
         const OwnedMap map = own_map(cells, resolution, origin);
-        return to_rows(manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility));
+        return to_rows(manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility, slack));
       },
       py::arg("cost"), py::arg("cells"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"),
-      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"),
+      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"), py::arg("slack"),
       "Rows (x, y, yaw, direction, seconds), the first the present pose.");
   module.def(
       "turn_wanted",

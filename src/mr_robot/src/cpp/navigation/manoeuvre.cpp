@@ -44,16 +44,17 @@ Pose along(const Pose& pose, double way, double turn) {
 class Search {
  public:
   Search(const Field& field, const Map& map, const Pose& start, const std::vector<Obstacle>& obstacles,
-         const Footprint& footprint, const Agility& agility)
+         const Footprint& footprint, const Agility& agility, double slack)
       : field_(field),
         map_(map),
         start_(start),
         obstacles_(obstacles),
         footprint_(footprint),
         agility_(agility),
+        slack_(slack),
         body_(start, kReach + kCell, kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
-    least_ = least_clearance(at_start_, kSlack);
+    least_ = least_clearance(at_start_, slack);
     starts_roomy_ = body_.roomy(start);
     start_cost_ = cost_at(field, start.x, start.y);
   }
@@ -165,7 +166,7 @@ class Search {
   // Whether the robot, which stands, may set off like that.
   bool begins(const Velocity& target) const {
     Horizon horizon{kRamp};
-    horizon.slack = kSlack;
+    horizon.slack = slack_;
     return is_clear(start_, {0.0, 0.0}, target, obstacles_, agility_.limits, footprint_, horizon);
   }
 
@@ -185,6 +186,7 @@ class Search {
   const std::vector<Obstacle>& obstacles_;
   Footprint footprint_;
   Agility agility_;
+  double slack_;
   Body body_;
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;
   bool starts_roomy_ = false;
@@ -199,8 +201,8 @@ class Search {
 
 std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& start,
                                 const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                                const Agility& agility) {
-  return Search(field, map, start, obstacles, footprint, agility).run();
+                                const Agility& agility, double slack) {
+  return Search(field, map, start, obstacles, footprint, agility, slack).run();
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {

@@ -27,13 +27,13 @@ struct Agility {
 // The way that leads soonest to the goal of the field, up to where the robot has room to turn or where what is known
 // around it ends (Dolgov, Thrun, Montemerlo and Diebel, Path planning for autonomous vehicles in unknown
 // semi-structured environments, 2010). Ahead and back are the same but for the turns between them; it turns only where
-// the footprint does, comes no nearer to obstacles than kTouching, and from nearer not much nearer. Where no such way
-// is found, one to the roomiest pose. Empty if there is no better pose than the present one. Backing over what is
+// the footprint does, comes no nearer to obstacles than kTouching, and from nearer by `slack` m nearer. Where no such
+// way is found, one to the roomiest pose. Empty if there is no better pose than the present one. Backing over what is
 // unknown in the map is the last choice: a laser that looks ahead does not show what is there. Its first motion
 // is one that `is_clear` allows a robot that stands.
 std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& start,
                                 const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                                const Agility& agility);
+                                const Agility& agility, double slack);
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -71,9 +72,10 @@ struct Clearance {
 };
 
 // m that a motion has to keep, without margins, from obstacles that the body is `at_start` away from. `slack`: m nearer
-// that a robot within touching distance may come.
+// that a robot within touching distance may come; as near as it takes from kTouching on.
 inline double least_clearance(double at_start, double slack) {
-  return std::min({kTouching, at_start, std::max(at_start - slack, 0.5 * kTouching)});
+  const double nearest = slack < kTouching ? 0.5 * kTouching : std::numeric_limits<double>::min();
+  return std::min({kTouching, at_start, std::max(at_start - slack, nearest)});
 }
 
 // `speed`: for which the margins are taken, m/s.

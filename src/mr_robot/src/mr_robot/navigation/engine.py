@@ -184,8 +184,10 @@ class Navigator:
         if self.mode is Mode.TURN or math.dist(pose[:2], way.goal) < self.options.xy_goal_tolerance:
             return self._turn_to_goal(now, pose, hazards.obstacles)
         self._route.advance(now, pose)
-        stuck = now - self._route.progress_at > STANDING and self._blocker(pose) is None
-        velocity = self._follow(now, way, pose, hazards, stuck)
+        standing = now - self._route.progress_at if self._blocker(pose) is None else 0.0
+        # After a while what the robot seems to touch is taken for an error of map and scan, or it stands there for ever.
+        slack = _navigation.TOUCHING if standing > AT_REST else _navigation.SLACK
+        velocity = self._follow(now, way, pose, hazards, standing > STANDING, slack)
         drives = velocity is not None and abs(velocity[0]) + PROGRESS * abs(velocity[1]) > CREEPING
         if self._held(now, pose, drives and now - self._route.nearer_at < STANDING):
             return self._begin_to_give_way(now, pose, costs)
@@ -210,8 +212,16 @@ class Navigator:
             return self._brake()
         return Command(*self._motion.towards(target), Status.ACTIVE)
 
-    def _follow(self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool) -> Optional[Velocity]:
-        velocity = self._follower.follow(now, way, pose, hazards, stuck)
+    def _follow(
+        self,
+        now: float,
+        way: Plan,
+        pose: Pose,
+        hazards: Hazards,
+        stuck: bool,
+        slack: float = _navigation.SLACK,
+    ) -> Optional[Velocity]:
+        velocity = self._follower.follow(now, way, pose, hazards, stuck, slack)
         if self._follower.gained_room:
             self._route.progress_at = now
         return velocity

@@ -32,8 +32,17 @@ class Follower:
         """Drops the manoeuvre, and another may be planned at once."""
         self._manoeuvre, self._planned_at = None, -math.inf
 
-    def follow(self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool) -> Optional[Velocity]:
-        """None where nothing is safe. `stuck`: whether the way does not lead on although nothing is in the way."""
+    def follow(
+        self,
+        now: float,
+        way: Plan,
+        pose: Pose,
+        hazards: Hazards,
+        stuck: bool,
+        slack: float = _navigation.SLACK,
+    ) -> Optional[Velocity]:
+        """None where nothing is safe. `stuck`: whether the way does not lead on although nothing is in the way.
+        `slack`: m nearer than now that a manoeuvre may lead to what the robot may touch already."""
         tight = bare(hazards.obstacles, self._options.obstacle_margin)
         self.gained_room = False
         wanted = self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck)
@@ -41,11 +50,11 @@ class Follower:
             tight = np.concatenate([tight, bare(hazards.followers(), self._options.obstacle_margin)])
         if wanted:
             self._planned_at = now
-            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits)
+            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits, slack)
         if self._manoeuvre is not None:
             target = self._manoeuvre.velocity(pose, self._options.controller_period)
             if target is not None:
-                velocity = self._slowed(pose, tight, target)
+                velocity = self._slowed(pose, tight, target, slack)
                 if velocity is None:
                     self._manoeuvre = None
                 return self._motion.towards(velocity or STOP)
@@ -53,13 +62,13 @@ class Follower:
             self.gained_room = True
         return self._motion.along(way, pose, hazards.obstacles)
 
-    def _slowed(self, pose: Pose, tight: np.ndarray, target: Velocity) -> Optional[Velocity]:
+    def _slowed(self, pose: Pose, tight: np.ndarray, target: Velocity, slack: float) -> Optional[Velocity]:
         """The target, as slow as it has to be to be clear: what was planned ends sooner than what is looked at. None
         where it touches something at the slowest pace, too."""
         pace = 1.0
         while pace >= SLOWEST_PACE:
             velocity = (pace * target[0], pace * target[1])
-            if self._motion.is_clear(pose, tight, velocity):
+            if self._motion.is_clear(pose, tight, velocity, slack=slack):
                 return velocity
             pace *= 0.5
         return None

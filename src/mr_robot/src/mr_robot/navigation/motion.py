@@ -47,9 +47,17 @@ class Motion:
         )  # fmt: skip
         return (linear, angular) if found else None
 
-    def is_clear(self, pose: Pose, obstacles: np.ndarray, target: Velocity, duration: float = _navigation.RAMP) -> bool:
+    def is_clear(
+        self,
+        pose: Pose,
+        obstacles: np.ndarray,
+        target: Velocity,
+        duration: float = _navigation.RAMP,
+        slack: float = _navigation.SLACK,
+    ) -> bool:
+        """`slack`: m nearer than now that a robot which may touch something already may come to it."""
         horizon = _navigation.Horizon(duration)
-        horizon.slack = _navigation.SLACK
+        horizon.slack = slack
         return _navigation.is_clear(pose, self.velocity, target, obstacles, self.limits, self.footprint, horizon)
 
     def towards(self, target: Velocity) -> Velocity:
