@@ -115,10 +115,10 @@ def test_robot_that_dies_does_not_hold_up_the_others():
     assert record.outcome.status == "finished"
     assert record.robots["robot_1"].died_at == pytest.approx(10.0, abs=0.1)
     dead = record.robots["robot_1"]
-    assert dead.finished_at is None and dead.moving > 0.5
+    assert dead.finished_at is None and dead.moving > 0.9
     assert dead.sent("bytes_sent") == dead.series.bytes[-1] > 0
     assert list(dead.series.bytes) == sorted(dead.series.bytes)
-    assert record.robots["robot_0"].map.coverage > 0.95
+    assert record.robots["robot_0"].map.coverage > 0.995
 
 
 def test_robots_that_finish_before_they_would_die_do_not_spoil_the_record():
@@ -134,7 +134,8 @@ def test_robot_that_joins_late_takes_part():
     assert record.outcome.status == "finished"
     late = record.robots["robot_1"]
     assert late.goals[0].set >= 15.0
-    assert late.merges and late.map.coverage > 0.9
+    assert late.map.coverage > 0.995
+    assert late.merges and all(merge.right for merge in late.merges)
 
 
 def test_a_trial_without_a_partition_is_recorded_as_before_there_were_any():
