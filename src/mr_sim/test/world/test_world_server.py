@@ -2,21 +2,24 @@
 
 import json
 import os
+import selectors
 import signal
 import socket
 import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from mr_measures.motion import read_trace
 from mr_sim import protocol as p
+from mr_sim import world_server
 from mr_sim.radio_control import RadioControl
 from mr_sim.trace import TraceWriter
 from mr_sim.world_client import ConnectionRefused, WorldClient
-from mr_sim.world_server import SPARE_CONNECTIONS, ServerError, WorldServer, listen
+from mr_sim.world_server import MAX_LAG, SPARE_CONNECTIONS, ServerError, WorldServer, listen
 
 TWO = 'rover ( name "a" pose [ 0 0 0 0 ] )\nrover ( name "b" pose [ 0 2 0 0 ] )\n'
 
@@ -211,13 +214,45 @@ def test_connection_without_hello_is_closed(start, monkeypatch):
     assert p.decode(silent.recv(1000)) == p.Refusal("no hello")
 
 
-def test_pace_follows_the_real_time_factor(start):
-    running = start(TWO.splitlines()[0], real_time_factor=4.0, duration=4.0)
-    begin = time.monotonic()
-    states(running.connect("a"), 4.0)
-    running.join()
-    assert 0.95 <= time.monotonic() - begin < 3.0
-    assert running.server.achieved_factor == pytest.approx(4.0, rel=0.1) or running.server.achieved_factor < 4.0
+@pytest.mark.parametrize(
+    "busy, wall",
+    [
+        (0.0, 0.5),
+        (0.01, 0.5 + 0.01),
+        (0.02, 0.0125 + 40 * 0.02),
+        ({9: 0.1}, 0.5),
+        ({9: 1.0}, 0.5 + 1.0 - MAX_LAG),
+    ],
+    ids=["at once", "in time", "too slow", "a little late", "much too late"],
+)
+def test_pace_follows_the_real_time_factor(make_world, tmp_path, monkeypatch, busy, wall):
+    """On a clock that goes on only while the server waits or a step takes `busy` seconds, or its step does."""
+    clock = SimpleNamespace(now=100.0, monotonic=lambda: clock.now)
+    select = selectors.DefaultSelector.select
+
+    def wait(selector, timeout):
+        ready = select(selector, 0.0)
+        clock.now += 0.0 if ready else timeout
+        return ready
+
+    monkeypatch.setattr(world_server, "time", clock)
+    monkeypatch.setattr(selectors.DefaultSelector, "select", wait)
+    world = make_world('position ( name "a" )\n')
+    step = world.step
+
+    def step_slowly():
+        clock.now += busy.get(world.steps, 0.0) if isinstance(busy, dict) else busy
+        step()
+
+    monkeypatch.setattr(world, "step", step_slowly)
+    path = str(tmp_path / "socket")
+    server = WorldServer(world, listen(path), real_time_factor=4.0, duration=2.0, say=lambda _: None)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as robot:
+        robot.connect(path)
+        robot.send(p.encode_hello("a"))
+        server.run()
+    assert server.wall == pytest.approx(wall, abs=0.015)
+    assert server.achieved_factor == pytest.approx(2.0 / server.wall)
 
 
 def test_slow_world_slows_down_and_skips_nothing(start, monkeypatch):
