@@ -226,7 +226,7 @@ def test_connection_without_hello_is_closed(start, monkeypatch):
     ids=["at once", "in time", "too slow", "a little late", "much too late"],
 )
 def test_pace_follows_the_real_time_factor(make_world, tmp_path, monkeypatch, busy, wall):
-    """On a clock that goes on only while the server waits or a step takes `busy` seconds, or its step does."""
+    """On a clock that goes on only while the server waits or its world steps; `busy`: s of each step, or of some."""
     clock = SimpleNamespace(now=100.0, monotonic=lambda: clock.now)
     select = selectors.DefaultSelector.select
 
