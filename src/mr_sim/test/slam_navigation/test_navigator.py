@@ -649,14 +649,13 @@ def test_nose_to_nose_in_a_doorway(draw_world: Callable[..., str], seed: int, hi
 
 
 def test_random_goals_in_the_office_without_touching_anything() -> None:
-    """Those that a body can come near to in the true world are, and in at most twice the least time."""
+    """All of them are places that a body can come near to in the true world: it takes at most twice the least time."""
     loop = ClosedLoop("office26x15", 1, 5)
     robot, reach = loop.robots[0], Reach(load_world(find_world("office26x15")))
     radius = robot.navigator.options.goal_search_radius
     around = np.arange(-radius, radius + 0.01, 0.25)
     random = np.random.default_rng(5)
     loop.run(2.5)
-    outcomes = []
     for _ in range(6):
         assert robot.grid is not None
         rows, columns = np.nonzero(robot.grid.cells == 0)
@@ -666,15 +665,12 @@ def test_random_goals_in_the_office_without_touching_anything() -> None:
         x, y, _ = robot.start.compose(Pose(*goal, 0.0))
         least = reach.seconds(pose, (x, y))
         near = (reach.seconds(pose, (x + dx, y + dy)) for dx in around for dy in around if math.hypot(dx, dy) < radius)
-        can_be_reached = math.isfinite(least) or any(map(math.isfinite, near))
+        assert math.isfinite(least) or any(map(math.isfinite, near))
         robot.results.clear()
         robot.navigator.set_goal((*goal, 0.0), begin)
         loop.run(begin + 60.0, lambda: bool(robot.results))
-        assert robot.results
-        outcomes.append(robot.results[-1][1])
-        assert (outcomes[-1] == "succeeded") if can_be_reached else ("no way" in outcomes[-1])
+        assert robot.results and robot.results[-1][1] == "succeeded"
         assert loop.world.time - begin < 2.0 * least + 1.0
-    assert outcomes.count("succeeded") == 6
     assert robot.contacts == 0
 
 
