@@ -283,7 +283,7 @@ PYBIND11_MODULE(_navigation, module) {
         return to_rows(manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility, slack));
       },
       py::arg("cost"), py::arg("cells"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"),
-      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"), py::arg("slack"),
+      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"), py::arg("slack") = kSlack,
       "Rows (x, y, yaw, direction, seconds), the first the present pose.");
   module.def(
       "turn_wanted",

@@ -185,7 +185,7 @@ class Navigator:
             return self._turn_to_goal(now, pose, hazards.obstacles)
         self._route.advance(now, pose)
         standing = now - self._route.progress_at if self._blocker(pose) is None else 0.0
-        # After a while what the robot seems to touch is taken for an error of map and scan, or it stands there for ever.
+        # After a while what the robot seems to touch is taken for an error of map and scan: else it stands for ever.
         slack = _navigation.TOUCHING if standing > AT_REST else _navigation.SLACK
         velocity = self._follow(now, way, pose, hazards, standing > STANDING, slack)
         drives = velocity is not None and abs(velocity[0]) + PROGRESS * abs(velocity[1]) > CREEPING

@@ -13,6 +13,7 @@ from unittest import mock
 import numpy as np
 
 from mr_grid import Pose
+from mr_robot import _navigation
 from mr_robot.navigation.command import Velocity
 from mr_robot.navigation.motion import Motion
 from mr_robot.navigation.options import NavigationOptions
@@ -148,7 +149,9 @@ class MrptFollower:
     def plan_anew(self) -> None:
         self._sent_at = -math.inf
 
-    def follow(self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool) -> Velocity:
+    def follow(
+        self, now: float, way: Plan, pose: Pose, hazards: Hazards, stuck: bool, slack: float = _navigation.SLACK
+    ) -> Velocity:
         if now - self._sent_at >= RENEWED or math.dist(pose[:2], self._target) < ALLOWED:
             self._send(now, way, pose)
         obstacles = hazards.obstacles
