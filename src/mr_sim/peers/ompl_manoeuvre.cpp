@@ -172,10 +172,10 @@ class Ground {
     const bool at_goal = std::hypot(pose.x - field_.goal_x, pose.y - field_.goal_y) < kStep;
     const bool ends = roomy ? !starts_roomy_ || off >= kLeastWay : off >= kReach - kStep || at_goal;
     if (!ends || !std::isfinite(cost)) return std::numeric_limits<double>::infinity();
-    double total = cost * field_.resolution / agility_.full_speed;
+    double total = cost * field_.resolution / agility_.limits.linear;
     if (const auto direction = mr_robot::navigation::downhill(field_, pose.x, pose.y)) {
       const double error = std::abs(std::remainder(*direction - pose.yaw, 2.0 * M_PI));
-      total += (roomy ? 1.0 : kTurnCost) * error / agility_.full_turn;
+      total += (roomy ? 1.0 : kTurnCost) * error / agility_.limits.angular;
     }
     return total;
   }
