@@ -72,38 +72,38 @@ bench-merge: build
 
 # How soon robots find one another, in missions in virtual time: an hour and a half on two cores. Goes on where it was stopped.
 bench-meet: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_merging --out out/bench/merging.json $(MEET)
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench merging --out out/bench/merging.json $(MEET)
 
 # Missions of the ROS stack, then thirty generated worlds in virtual time: an hour or two on two cores. Goes on where it was
-# stopped. EXPLORE: options of bench_explore.
+# stopped. EXPLORE: options of bench explore.
 bench-explore: build
 	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
 	tools/bench_missions --out out/bench/missions.json || missed=1; \
-	rosrun mr_experiments bench_explore --out out/bench/explore.json $(EXPLORE) || missed=1; \
+	rosrun mr_experiments bench explore --out out/bench/explore.json $(EXPLORE) || missed=1; \
 	exit $$missed
 
 # Missions with a bad radio, a robot that dies, a partition, a huge floor, in virtual time: a quarter of an hour on two cores.
 bench-hardship: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_hardship --out out/bench/hardship.json
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench hardship --out out/bench/hardship.json
 
 # Missions in other buildings, with other robots and larger teams, in virtual time: hours. Goes on where it was stopped.
 # BUILDINGS="--trials 3 --only turtlebot mixed" runs a part; BUILDINGS="--odometry bias random_walk" both models of odometry.
 bench-buildings: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_buildings --out out/bench/buildings.json $(BUILDINGS)
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench buildings --out out/bench/buildings.json $(BUILDINGS)
 
 # How long one robot of eight takes to decide on a map of 2000 x 2000 cells: two minutes.
 bench-explore-cpu: build
-	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 rosrun mr_experiments bench_decisions --out out/bench/decisions.json
+	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 rosrun mr_experiments bench decisions --out out/bench/decisions.json
 
 # SLAM on scans and odometry of missions, which are recorded first: two hours. SLAM="--missions 1": a part.
 bench-slam: build
-	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 rosrun mr_experiments bench_slam --out out/bench/slam.json $(SLAM)
+	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 rosrun mr_experiments bench slam --out out/bench/slam.json $(SLAM)
 
 # On the same logs beside MRPT's ICP and RBPF, which take a minute a log. REAL_LOGS=DIR: also the CARMEN logs in that folder.
 bench-slam-peers: build
 	@tools/build_slam_peers
 	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 PYTHONPATH=build/slam_peers:$$PYTHONPATH \
-	  rosrun mr_experiments bench_slam --peers --out out/bench/slam_peers.json $(if $(REAL_LOGS),--real-logs $(REAL_LOGS)) $(SLAM)
+	  rosrun mr_experiments bench slam --peers --out out/bench/slam_peers.json $(if $(REAL_LOGS),--real-logs $(REAL_LOGS)) $(SLAM)
 
 # Where robots get stuck: two hundred scenes drawn from seeds, a minute.
 bench-navigation: build
@@ -116,7 +116,7 @@ bench-navigation-peers: build
 	  rosrun mr_sim bench_navigation_peers --jobs 2 --out out/bench/navigation_peers.json $(NAVIGATION)
 
 bench-sim: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench_experiments --out out/bench/sim.json
+	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench speed --out out/bench/sim.json
 
 # The status page of eight robots in a headless Chromium: two minutes. Its figures are those of an idle computer only.
 bench-page: build

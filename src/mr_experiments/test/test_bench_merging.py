@@ -139,7 +139,7 @@ def test_command_goes_on_where_it_was_and_redoes_what_other_code_made(tmp_path, 
 @pytest.mark.parametrize("bad", [["--seeds", "0"], ["--until", "nan"], ["--jobs", "0"], ["--only", "nothing"]])
 def test_bad_calls(bad, capsys):
     assert bench_merging_command.main(bad) == 2
-    assert capsys.readouterr().err.startswith("bench_merging: ")
+    assert capsys.readouterr().err.startswith("bench merging: ")
 
 
 def test_records_hold_the_class_of_each_transform():

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from made_missions import made_robot
 
-from mr_experiments.bench.bench import dask_cluster
+from mr_experiments.bench.bench_speed import dask_cluster
 from mr_experiments.sweep import dask_cluster as cluster_module
 from mr_experiments.sweep import trial_process
 from mr_experiments.sweep.dask_cluster import ClusterLostError, DaskCluster

@@ -1,4 +1,4 @@
-"""Command line of ``rosrun mr_experiments bench_buildings``."""
+"""Command line of ``rosrun mr_experiments bench buildings``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from mr_sim.world import ODOMETRY_MODELS
 
 def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
-        prog="bench_buildings",
+        prog="bench buildings",
         description="Whether teams come to their end and home, touch nothing and draw right walls in narrow, wide, "
         "huge and generated buildings, with Turtlebots and in mixed teams, from anywhere, up to sixteen robots; in "
         "virtual time. A run that was stopped goes on where it was; missions of other code are run again.",

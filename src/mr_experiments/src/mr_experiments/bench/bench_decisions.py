@@ -137,7 +137,7 @@ def rows(maps: int, strategy: int) -> list[Row]:
 
 def main(argv: Sequence[str]) -> int:
     """Prints the rows, writes them if asked; returns 0 when every bar holds, 1 otherwise."""
-    parser = argparse.ArgumentParser(prog="bench_decisions", description="Time to decide on a large map.")
+    parser = argparse.ArgumentParser(prog="bench decisions", description="Time to decide on a large map.")
     parser.add_argument("--out", type=Path, metavar="FILE", help="JSON file to write the rows to")
     parser.add_argument("--maps", type=int, default=40, metavar="N", help="of each stage (default: %(default)s)")
     parser.add_argument("--strategy", type=int, default=7, metavar="N", help="(default: %(default)s)")

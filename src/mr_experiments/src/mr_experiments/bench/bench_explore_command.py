@@ -1,4 +1,4 @@
-"""Command line of ``rosrun mr_experiments bench_explore``."""
+"""Command line of ``rosrun mr_experiments bench explore``."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ from mr_measures.record.files import read_record
 
 def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
-        prog="bench_explore",
+        prog="bench explore",
         description="Exploration of generated worlds that no constant was tuned on, in virtual time: what more robots "
         "bring, against what no team could beat and against the nearest frontier. A run that was stopped goes on where "
         "it was; missions of other code are run again.",

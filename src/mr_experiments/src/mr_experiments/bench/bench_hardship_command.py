@@ -1,4 +1,4 @@
-"""Command line of ``rosrun mr_experiments bench_hardship``."""
+"""Command line of ``rosrun mr_experiments bench hardship``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from mr_experiments.common.command_line import Parser
 
 def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
-        prog="bench_hardship",
+        prog="bench hardship",
         description="Whether teams finish, and how much later, in virtual time: error-free, with 30 % of the frames "
         "lost, a radio of 8 m, a robot that dies, a partition of a minute, and on a floor of 60 m x 60 m. A run that "
         "was stopped goes on where it was; missions of other code are run again.",

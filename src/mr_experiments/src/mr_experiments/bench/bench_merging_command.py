@@ -1,4 +1,4 @@
-"""Command line of ``rosrun mr_experiments bench_merging``."""
+"""Command line of ``rosrun mr_experiments bench merging``."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from mr_measures.record.mission_record import MissionRecord
 
 def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
-        prog="bench_merging",
+        prog="bench merging",
         description="How soon teams know where their members are, and whether they are ever wrong, in missions in "
         "virtual time. A run that was stopped goes on where it was; missions of other code are run again.",
         epilog=EXIT_CODES,

@@ -56,7 +56,7 @@ class Spent:
 
 def make_parser() -> argparse.ArgumentParser:
     parser = Parser(
-        prog="bench_slam",
+        prog="bench slam",
         description="Records scans and odometry of missions of one robot ("
         + ", ".join(f"{kind.logs} of {name}" for name, kind in KINDS.items())
         + ") and runs SLAM over them, each with the options of its robot. Logs that are there are taken as they are.",
@@ -270,9 +270,9 @@ def main(arguments: Sequence[str]) -> int:
         rows = peer_rows(given) if given.peers else own_rows(given)
         write_rows(rows, Path(given.out))
     except (CallError, TrialError, SlamError, OSError) as error:
-        print(f"bench_slam: {error}", file=sys.stderr)
+        print(f"bench slam: {error}", file=sys.stderr)
         return BAD_CALL
     except KeyboardInterrupt:
-        print("bench_slam: interrupted", file=sys.stderr)
+        print("bench slam: interrupted", file=sys.stderr)
         return INTERRUPTED
     return exit_code(rows)

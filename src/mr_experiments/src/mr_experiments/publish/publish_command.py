@@ -34,7 +34,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, parser_class=Parser, metavar="COMMAND")
     for name, about, source in (
         ("missions", "one row for each kind of mission in folders of records", "DIR"),
-        ("worlds", "one row for each kind of world in the missions of bench_explore", "FILE.jsonl"),
+        ("worlds", "one row for each kind of world in the missions of bench explore", "FILE.jsonl"),
         ("bench", "the rows of a benchmark, or of the latest comparison of agreement", "FILE.json"),
     ):
         add = commands.add_parser(name, help=about, description=f"Writes {about}.").add_argument

@@ -154,7 +154,7 @@ PARTS: dict[str, Callable[[int], list[Row]]] = {
 
 def main(argv: Sequence[str]) -> int:
     """Prints the rows, writes them if asked; returns 0 when every bar holds, 1 otherwise."""
-    parser = argparse.ArgumentParser(prog="bench_experiments", description="Speed of missions in virtual time.")
+    parser = argparse.ArgumentParser(prog="bench speed", description="Speed of missions in virtual time.")
     parser.add_argument("--out", type=Path, metavar="FILE", help="JSON file to write the rows to")
     parser.add_argument("--only", nargs="+", choices=list(PARTS), default=list(PARTS), help="parts to run")
     parser.add_argument("--runs", type=int, default=3, metavar="N", help="runs of each (default: %(default)s)")
