@@ -5,10 +5,14 @@
 namespace adhoc_communication::routing {
 namespace {
 
-constexpr int kBeaconsThatMatter = 16;  ///< for the loss of a link
+constexpr int kBeaconsThatMatter = 8;  ///< for the loss of a link: robots on the move are elsewhere after more
+/// What counts before the first beacon of a robot: one heard, one lost (the rule of succession). A robot that comes
+/// into reach is far away, and its first beacon says little of those that follow.
+constexpr int kBeaconsBefore = 2;
 constexpr int kBeaconsInDoubt = 2;
 constexpr Time kSilenceInDoubt = std::chrono::seconds(1);
-constexpr double kHopeless = 0.6;  ///< loss of a link over which silence is no surprise
+constexpr double kHopeless = 0.6;                        ///< loss of a link over which silence is no surprise
+constexpr Time kSoon = std::chrono::milliseconds(1500);  ///< so much more silence settles by itself who is gone
 constexpr Time kShortestInterval = std::chrono::milliseconds(50);
 constexpr Time kLongestInterval = std::chrono::seconds(10);
 constexpr int kLongestPause = 6;  ///< 64 intervals between two times that a candidate is named
@@ -112,7 +116,7 @@ void Neighbors::count_beacon(Neighbor& neighbor, std::uint16_t number) {
   const int missed = neighbor.beacons == 0 || ahead > kMostMissed ? 0 : ahead - 1;
   neighbor.last_beacon = number;
   for (int i = 0; i <= missed; ++i) {
-    neighbor.beacons = std::min(neighbor.beacons + 1, kBeaconsThatMatter);
+    neighbor.beacons = std::clamp(neighbor.beacons + 1, kBeaconsBefore + 1, kBeaconsThatMatter);
     neighbor.loss_from += ((i < missed ? 1.0 : 0.0) - neighbor.loss_from) / neighbor.beacons;
   }
 }
@@ -167,7 +171,10 @@ std::vector<MacAddress> Neighbors::all_two_way(Time now) const {
   return result;
 }
 
-Cost Neighbors::cost(const MacAddress& address) const { return link_cost(loss(address)); }
+Cost Neighbors::cost(const MacAddress& address) const {
+  const Neighbor* neighbor = find(address);
+  return neighbor == nullptr ? kPerfectHop : link_cost(loss(address), neighbor->loss_from);
+}
 
 double Neighbors::loss(const MacAddress& address) const {
   const Neighbor* neighbor = find(address);
@@ -255,6 +262,7 @@ std::vector<MacAddress> Neighbors::doubtful(Time now) const {
   std::vector<MacAddress> result;
   for (const auto& [address, neighbor] : neighbors_) {
     if (!two_way(neighbor, now) || neighbor.loss_from > kHopeless) continue;
+    if (patience(neighbor) - doubt(neighbor) <= kSoon) continue;
     const bool unlisted = now - *neighbor.listed > doubt(neighbor) * neighbor.beacons_per_list;
     if (silent(neighbor, now) || unlisted) result.push_back(address);
   }

@@ -16,6 +16,8 @@
 namespace adhoc_communication::routing {
 
 struct Neighbor {
+  static constexpr double kUnknownLoss = 0.5;  ///< of frames of which nothing is known
+
   wire::BootTag boot = 0;
   Time last_heard{0};
   Time interval{0};            ///< of its beacons (RFC 3561 section 9.1)
@@ -28,9 +30,9 @@ struct Neighbor {
     double loss = 0.0;  ///< of the beacons it hears, 0..1
   };
   boost::container::flat_map<wire::NeighborTag, Hears> hears;
-  double reported_loss = 0.0;       ///< of frames to it, as its beacons say, 0..1
-  std::optional<double> seen_loss;  ///< of frames to it, as the hop ARQ sees it
-  double loss_from = 0.0;           ///< of its beacons
+  double reported_loss = kUnknownLoss;  ///< of frames to it, as its beacons say, 0..1
+  std::optional<double> seen_loss;      ///< of frames to it, as the hop ARQ sees it
+  double loss_from = kUnknownLoss;      ///< of its beacons
   std::uint16_t last_beacon = 0;
   int beacons = 0;  ///< counted for loss_from, no more than matter
   Time named{-1};   ///< when a beacon of this robot named it
@@ -67,7 +69,7 @@ class Neighbors {
   /// The link worked, failed or fell silent, and nothing was heard since.
   bool is_lost(const Neighbor& neighbor, Time now) const;
   std::vector<MacAddress> all_two_way(Time now) const;
-  /// Of frames to the neighbour; to one that is not known, that of a perfect hop.
+  /// Of a frame to the neighbour that is acknowledged; to one that is not known, that of a perfect hop.
   Cost cost(const MacAddress& address) const;
   /// ALLOWED_HELLO_LOSS * HELLO_INTERVAL of the neighbour.
   Time patience(const MacAddress& address) const;
@@ -84,7 +86,8 @@ class Neighbors {
   bool bypassed(const MacAddress& from, wire::NeighborTag self, Time now) const;
   /// It owes a sign of life for some of its beacons; or it is not known.
   bool silent(const MacAddress& address, Time now) const;
-  /// Those that are silent, or have not named this robot for as long, and may only be out of luck.
+  /// Those that are silent, or have not named this robot for as long, and may only be out of luck; not those that will
+  /// be given up soon, since their beacons come often.
   std::vector<MacAddress> doubtful(Time now) const;
   /// Removes and returns those silent for longer than `timeout`, and than they may be.
   std::vector<MacAddress> remove_silent(Time timeout, Time now);

@@ -40,7 +40,7 @@ class RequestFlood {
   static constexpr Time kConfirmJitter = std::chrono::milliseconds(10);  ///< on top, or copies of hidden robots collide
   static constexpr int kWaitersPerHop = 4;  ///< that may stand before a copy where this robot stood alone
   static constexpr Time kJitter = std::chrono::milliseconds(2);
-  static constexpr Time kPenalty = std::chrono::milliseconds(15);  ///< for each transmission more than a perfect hop
+  static constexpr Time kPenalty = std::chrono::milliseconds(7);  ///< for each transmission more than a perfect hop
   static constexpr Time kLongestPenalty = std::chrono::milliseconds(20);
 
   /// `hops_acknowledge`: unicasts are repeated until they arrive.

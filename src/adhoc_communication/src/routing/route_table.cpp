@@ -78,7 +78,7 @@ void RouteTable::heard_directly(const MacAddress& neighbor, wire::BootTag boot, 
   const bool other_run = known != nullptr && known->boot != 0 && boot != known->boot;
   const bool usable = known != nullptr && known->valid && !other_run;
   const bool direct = usable && known->next_hop == neighbor;
-  if (!direct && !is_unbeatable(cost) && (!usable || known->cost <= cost)) return;
+  if (!direct && !is_fair(cost) && (!usable || known->cost <= cost)) return;
   Route& route = entry(neighbor);
   if (other_run) route.sequence_valid = false;
   route.boot = boot;

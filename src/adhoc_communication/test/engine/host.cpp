@@ -5,6 +5,11 @@
 #include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
+namespace {
+
+constexpr int kBeaconsToKnow = 40;  ///< until a link over which all are heard counts as perfect
+
+}  // namespace
 
 Host make_host(std::size_t number) {
   Host host;
@@ -37,7 +42,7 @@ Host Stage::self() const {
 
 Host& Stage::neighbor(std::size_t number, bool known) {
   const auto [found, added] = hosts_.emplace(number, make_host(number));
-  if (added && known) beacon(found->second);
+  for (int i = 0; added && known && i < kBeaconsToKnow; ++i) beacon(found->second);
   if (added && !known) found->second.beacons = false;
   return found->second;
 }

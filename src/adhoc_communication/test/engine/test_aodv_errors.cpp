@@ -27,7 +27,7 @@ struct Star : Stage {
   void lose(Host& host) {
     forget();
     host.beacons = host.acknowledges = false;
-    run_for(3s);
+    run_for(4s);
   }
   std::set<MacAddress> announced() const {
     std::set<MacAddress> result;

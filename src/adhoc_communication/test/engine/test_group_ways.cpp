@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // In 255ths: nobody would send a packet for one robot over such links; others would not even send one for many.
-constexpr std::uint8_t kLossy = 140, kHopeless = 220;
+constexpr std::uint8_t kLossy = 191, kHopeless = 220;
 
 /// A node between a, which is the root, and b and c.
 struct Fork : Stage {
@@ -196,7 +196,7 @@ TEST(GroupWays, AMemberInRangeIsAChildOfItsOwnThoughPacketsForItGoRound) {
   for (const std::uint8_t loss : {kLossy, kHopeless}) {
     Fork fork;
     Host member = make_host(4);
-    fork.beacon(fork.c, 100, {});
+    fork.beacon(fork.c, 180, {});
     fork.give_route(fork.b, member);
     for (int i = 0; i < 20; ++i) fork.beacon(member, loss, {});
     ASSERT_EQ(fork.route(member)->next_hop, fork.b.address);

