@@ -32,7 +32,7 @@ from geometry_msgs.msg import PointStamped, TransformStamped
 from map_merger.srv import LogMaps, LogMapsResponse, TransformPoint, TransformPointResponse
 from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
 from nav_msgs.msg import GridCells, MapMetaData, OccupancyGrid
-from std_srvs.srv import Trigger
+from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import MarkerArray
 
 WIDTH, HEIGHT, RESOLUTION = 240, 120, 0.05
@@ -222,6 +222,7 @@ class TestNode(unittest.TestCase):
         self.wait_for_state(lambda s: s.has_goal, 10)
         limited = rospy.ServiceProxy("explorer/set_limits", SetLimits)(600.0, 0.0)
         self.assertEqual((limited.success, limited.message), (True, "ends after 600 s"))
+        rospy.ServiceProxy("explorer/catch_up", Empty)()
         self.assertEqual(rospy.get_param("explorer/time_limit"), 600.0)
 
     def check_status(self, status: ExplorationStatus) -> None:

@@ -5,6 +5,7 @@ from typing import Callable, Dict, List, Set
 import pytest
 from test_agent import Bench, corridor
 
+from explorer.limits import Limits
 from explorer.messages import SendState
 from explorer.mission_control import MOST_ROBOTS, MissionControl, summary_of
 from explorer.status import State
@@ -104,6 +105,36 @@ def test_a_robot_out_of_reach_gets_the_last_order_when_it_is_back() -> None:
     field.reached = {"anna", "bob"}
     field.run(2.0)
     assert field.robots["bob"].agent.text == "stopped" and field.orders[-1] == "bob stop"
+
+
+def test_limits_are_set_over_the_radio_and_hold_beside_an_order() -> None:
+    """A robot that was away gets both: limits take the place of limits, not of an order."""
+    field = Field("anna", "bob")
+    field.reached = {"anna"}
+    field.run(1.0)
+    field.control.order("pause")
+    field.control.order("set_limits", limits=Limits(1000.0, 0.0))
+    assert field.control.order("set_limits", limits=Limits(900.0, 50.0)).text == ("set_limits: sent to anna"), (
+        "bob was never heard of"
+    )
+    field.run(3.0)
+    field.reached = {"anna", "bob"}
+    field.run(6.0)
+    for bench in field.robots.values():
+        assert bench.agent.text == "is paused" and bench.agent.mission.orders.limits == Limits(900.0, 50.0)
+    assert field.orders.count("bob set_limits") == 1 and all(m.answered for m in field.control.members(field.now))
+
+
+def test_bad_limits_are_refused_by_the_robot_and_it_says_why() -> None:
+    field = Field("anna")
+    field.run(1.0)
+    before = field.robots["anna"].agent.mission.orders.limits
+    field.control.order("set_limits", ["anna"], Limits(-1.0, 0.0))
+    field.run(3.0)
+    (member,) = field.control.members(field.now)
+    assert member.answered and member.state is not None and not member.state.answer.done
+    assert "time_limit" in member.state.answer.text
+    assert field.robots["anna"].agent.mission.orders.limits == before
 
 
 def test_a_robot_that_comes_later_gets_what_all_were_ordered() -> None:

@@ -121,6 +121,12 @@ async def limits(tab):
     await address(tab, "team_robot_0")
     await tab.click("#command-set_limits")
     assert await tab.run(text("#answer")) == "robot_0 offers no service mission_control/set_limits"
+    await address(tab, "pass_on_robot_0 robot_1")  # by radio, so what is left is not known here
+    await write(tab, "#limit-time", "700")
+    await tab.press("Enter")
+    await tab.wait_for(f"{text('#answer')} === 'robot_0: ends after 700 s or 0 m'")
+    await address(tab, "robot_1")
+    await tab.wait_for("document.getElementById('limit-time').value === '700'")
 
 
 async def write(tab, selector, digits):

@@ -119,7 +119,8 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     from std_srvs.srv import Trigger, TriggerResponse
 
     def passed_on(request):
-        return OrderRobotsResponse(True, f"{request.order}: sent to {' '.join(request.robots)}")
+        limits = f" of {request.time:g} s, {request.distance:g} m" if request.order == "set_limits" else ""
+        return OrderRobotsResponse(True, f"{request.order}{limits}: sent to {' '.join(request.robots)}")
 
     def limited(request):
         return SetLimitsResponse(True, f"ends after {request.time:g} s or {request.distance:g} m")
@@ -151,7 +152,13 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
     assert seen["team"]["robots"]["robot_1"]["state"] == "exploring" and seen["team"]["robots"]["robot_1"]["area"] == 9
     assert seen["frontiers"] == [[5.0, 6.0]] and seen["clusters"] == [[], [], [], [[1.0, 1.0]]]
     assert seen["network"]["links"] == [{"robot": "robot_1", "two_way": True, "loss": 0.25, "waiting": 0}]
-    offered = ["pause", "resume", "set_limits", "team_pause", *(f"pass_on_{order}" for order in ORDERS)]
+    offered = [
+        "pause",
+        "resume",
+        "set_limits",
+        "team_pause",
+        *(f"pass_on_{order}" for order in (*ORDERS, "set_limits")),
+    ]
     assert [command for command, there in seen["services"].items() if there] == offered
     assert seen["answers"] == [
         "paused",
@@ -160,6 +167,7 @@ def test_what_is_published_is_shown_and_orders_are_called(page):
         "the service explorer/resume does not answer within 5 s",
         "stop: sent to robot_1",
         "ends after 600 s or 40.5 m",
+        "set_limits of 600 s, 40.5 m: sent to robot_1",
     ]
     assert (seen["decision"]["limits"], seen["decision"]["way"]) == ([90.0, 0.0], 12)
     assert {kind: len(tiles) for kind, tiles in seen["tiles"].items()} == {"local": 2, "global": 2}
@@ -207,6 +215,7 @@ async def look(page):
     for command, to, limits in (
         ("pause", "", ()), ("team_pause", "", ()), ("stop", "", ()), ("resume", "", ()),
         ("pass_on_stop", "robot_1", ()), ("set_limits", "", (600, 40.5)),
+        ("pass_on_set_limits", "robot_1", (600, 40.5)),
     ):  # fmt: skip
         await guest.say(robot="robot_0", command=command, to=to, limits=limits)
         answers.append(

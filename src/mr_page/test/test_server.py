@@ -97,6 +97,8 @@ def test_orders_go_to_the_robot_and_answers_come_back():
             assert (await guest.hear_answer())["to"] == "c"
             await guest.say(robot="a", command="set_limits", limits=[600])
             assert "needs a time in s and a way in m" in (await guest.hear_answer())["text"]
+            await guest.say(robot="a", command="team_set_limits", limits=[])
+            assert "needs a time in s and a way in m" in (await guest.hear_answer())["text"]
             await guest.say(robot="a", command="set_limits", limits=[600, 0])
             assert (await guest.hear_answer())["command"] == "set_limits"
         assert asked == [("a", "pause", "", ()), ("a", "pass_on_stop", "c", ()), ("a", "set_limits", "", (600.0, 0.0))]

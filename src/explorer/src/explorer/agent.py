@@ -17,7 +17,7 @@ from explorer.geometry import Position
 from explorer.grid import OccupancyMap
 from explorer.homecoming import HOME_LOST
 from explorer.memory import Memory
-from explorer.messages import Auction, Effect, Note
+from explorer.messages import Auction, Effect, KeepLimits, Note
 from explorer.missions import Missions, OnDecision
 from explorer.options import Options, checked_limits
 from explorer.perception import Perception
@@ -58,7 +58,7 @@ class ExplorerAgent:
         self.mission = self._missions.first()
         orders = {"start": self.order_start, "pause": self.pause, "resume": self.resume}
         orders.update({"return_now": self.return_now, "stop": self.stop, "go_home": self.go_home})
-        self._team_orders = TeamOrders(orders, emit)
+        self._team_orders = TeamOrders(orders, self.set_limits, emit)
 
     # ---- input ----------------------------------------------------------------------------------------------------
 
@@ -97,9 +97,13 @@ class ExplorerAgent:
     def set_limits(self, time: float, distance: float) -> Answer:
         """After how many s of exploration and m of way it ends; 0: none."""
         try:
-            return self.mission.steering.set_limits(checked_limits(time, distance))
+            limits = checked_limits(time, distance)
         except ParameterError as error:
             return Answer(False, str(error))
+        answer = self.mission.steering.set_limits(limits)
+        if answer.done:
+            self._outbox.append(KeepLimits(limits))
+        return answer
 
     def recall(self, memory: Memory, now: float) -> None:
         """Goes on with a mission after the node was started anew; before the first tick."""

@@ -21,3 +21,6 @@ class Limits(NamedTuple):
     def words(self) -> str:
         found = [f"{limit:g} {unit}" for limit, unit in ((self.time, "s"), (self.distance, "m")) if limit]
         return f"ends after {' or '.join(found)}" if found else "ends at no limit"
+
+
+NO_LIMITS = Limits(0.0, 0.0)

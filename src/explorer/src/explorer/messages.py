@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Callable, Tuple, Union
 
 from explorer.foreign import Element, Key
+from explorer.limits import Limits
 from explorer.statement import Statement
 from explorer.team_state import TeamState
 from mr_grid import Pose
@@ -112,8 +113,16 @@ class SendState:
     state: TeamState
 
 
+@dataclass(frozen=True)
+class KeepLimits:
+    """Somebody has set them: they hold when the node is started again, too."""
+
+    limits: Limits
+
+
 Effect = Union[
-    SendFrontiers, SendAuction, SendStatement, SendState, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog, Note,
+    SendFrontiers, SendAuction, SendStatement, SendState, SetGoal, CancelGoal, AskTransform, LogOutput, WriteLog,
+    KeepLimits, Note,
 ]  # fmt: skip
 
 Emit = Callable[[Effect], None]

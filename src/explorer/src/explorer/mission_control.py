@@ -2,12 +2,13 @@
 
 Pure as the agent is: every call takes `now` in seconds, `tick` returns what is to be sent."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Sequence
 
 from explorer.answer import Answer
+from explorer.limits import NO_LIMITS, Limits
 from explorer.status import State
-from explorer.team_state import ORDERS, ROLL_CALL, TeamOrder, TeamState
+from explorer.team_state import ORDERS, ROLL_CALL, SET_LIMITS, TeamOrder, TeamState
 
 ROLL_CALL_PERIOD = 5.0  # s
 REPEAT_PERIOD = 2.0  # s after which an order that was not answered is sent again
@@ -23,17 +24,42 @@ class SendOrder(NamedTuple):
     order: TeamOrder
 
 
+def _kind(order: TeamOrder) -> str:
+    """An order takes the place of an earlier one of its kind: limits hold whatever the course is."""
+    return "limits" if order.order == SET_LIMITS else "course"
+
+
+@dataclass
+class _Given:
+    """An order for one robot, and when it was sent."""
+
+    order: TeamOrder
+    answered: bool = False
+    sent: float = float("-inf")
+
+    def is_due(self, now: float) -> bool:
+        return not self.answered and abs(now - self.sent) >= REPEAT_PERIOD
+
+
 @dataclass
 class _Watched:
-    """`order`: the last one for this robot; `sent`: when."""
+    """`given`: the last order of each kind, the newest last."""
 
     in_reach: bool = False
     state: Optional[TeamState] = None
     told: float = 0.0
-    order: Optional[TeamOrder] = None
-    answered: bool = True
-    sent: float = float("-inf")
+    given: Dict[str, _Given] = field(default_factory=dict)
     called: float = float("-inf")
+
+    def give(self, order: TeamOrder) -> None:
+        self.given.pop(_kind(order), None)
+        self.given[_kind(order)] = _Given(order)
+
+    @property
+    def shown(self) -> Optional[_Given]:
+        """The newest order that was not answered, or the newest."""
+        newest_first = list(reversed(list(self.given.values())))
+        return next((given for given in newest_first if not given.answered), next(iter(newest_first), None))
 
 
 @dataclass(frozen=True)
@@ -50,35 +76,32 @@ class Member:
 
 class MissionControl:
     """Owner of what is known of the team. A robot that is ordered something while it is out of reach gets it when it is
-    back, and so does one that was never heard of, if all were ordered; of several orders only the last."""
+    back, and so does one that was never heard of, if all were ordered; of several orders only the last, and of several
+    limits."""
 
     def __init__(self, name: str, first_number: int) -> None:
         """`name` of this robot or base station; `first_number`: of its orders, another one after each start."""
         self._name, self._number = name, first_number
         self._robots: Dict[str, _Watched] = {}
-        self._for_all: Optional[TeamOrder] = None
+        self._for_all: Dict[str, TeamOrder] = {}
         self._heard_radio: Optional[float] = None  # s
         self._radio_silent = True
 
-    def order(self, order: str, robots: Sequence[str] = ()) -> Answer:
-        """Takes an order to these robots, or to all."""
-        if order not in ORDERS:
-            return Answer(False, f"unknown order {order!r}; there are {', '.join(ORDERS)}")
+    def order(self, order: str, robots: Sequence[str] = (), limits: Limits = NO_LIMITS) -> Answer:
+        """Takes an order to these robots, or to all. Whether they take the `limits` of `SET_LIMITS` the robots say."""
+        if order not in (*ORDERS, SET_LIMITS):
+            return Answer(False, f"unknown order {order!r}; there are {', '.join((*ORDERS, SET_LIMITS))}")
         strange = [robot for robot in robots if robot not in self._robots]
         if strange:
             known = ", ".join(sorted(self._robots)) or "none yet"
             return Answer(False, f"no robot {', '.join(strange)} was heard of; there are {known}")
         self._number += 1
-        new = TeamOrder(self._name, self._number, order)
+        new = TeamOrder(self._name, self._number, order, limits)
         if not robots:
-            self._for_all = new
+            self._for_all[_kind(new)] = new
         for robot in robots or self._robots:
-            self._give(self._robots[robot], new)
+            self._robots[robot].give(new)
         return self._answer(order, sorted(robots or self._robots))
-
-    @staticmethod
-    def _give(watched: _Watched, order: TeamOrder) -> None:
-        watched.order, watched.answered, watched.sent = order, False, float("-inf")
 
     def _answer(self, order: str, robots: Sequence[str]) -> Answer:
         there = [robot for robot in robots if self._robots[robot].in_reach]
@@ -96,8 +119,8 @@ class MissionControl:
         for name in names:
             if name not in self._robots and len(self._robots) < MOST_ROBOTS:
                 self._robots[name] = _Watched()
-                if self._for_all is not None:
-                    self._give(self._robots[name], self._for_all)
+                for order in self._for_all.values():
+                    self._robots[name].give(order)
         for name, watched in self._robots.items():
             watched.in_reach = name in names
 
@@ -107,8 +130,8 @@ class MissionControl:
         if watched is None:
             return
         watched.state, watched.told = state, now
-        if watched.order is not None and state.order == (watched.order.sender, watched.order.number):
-            watched.answered = True
+        for given in watched.given.values():
+            given.answered |= state.order == (given.order.sender, given.order.number)
 
     def tick(self, now: float) -> List[SendOrder]:
         """What is to be sent now; call it about twice a second."""
@@ -119,9 +142,10 @@ class MissionControl:
             if not watched.in_reach:
                 watched.called = float("-inf")
                 continue
-            if not watched.answered and watched.order is not None and abs(now - watched.sent) >= REPEAT_PERIOD:
-                watched.sent = watched.called = now
-                sent.append(SendOrder(name, watched.order))
+            due = next((given for given in watched.given.values() if given.is_due(now)), None)
+            if due is not None:
+                due.sent = watched.called = now
+                sent.append(SendOrder(name, due.order))
             elif abs(now - watched.called) >= ROLL_CALL_PERIOD:
                 watched.called = now
                 sent.append(SendOrder(name, TeamOrder(self._name, 0, ROLL_CALL)))
@@ -135,8 +159,8 @@ class MissionControl:
                 watched.in_reach,
                 watched.state,
                 NEVER if watched.state is None else max(0.0, now - watched.told),
-                "" if watched.order is None else watched.order.order,
-                watched.answered,
+                "" if watched.shown is None else watched.shown.order.order,
+                watched.shown is None or watched.shown.answered,
             )
             for name, watched in sorted(self._robots.items())
         ]

@@ -13,10 +13,11 @@ from adhoc_communication.srv import SendMessage
 from std_srvs.srv import Trigger, TriggerResponse
 
 from explorer import ros_team
+from explorer.limits import Limits
 from explorer.mission_control import MissionControl, SendOrder
 from explorer.msg import TeamOverview, TeamState
-from explorer.srv import OrderRobots, OrderRobotsResponse
-from explorer.team_state import ORDERS
+from explorer.srv import OrderRobots, OrderRobotsResponse, SetLimits, SetLimitsResponse
+from explorer.team_state import ORDERS, SET_LIMITS
 from mr_grid.ros import CALL_FAILED, typed_fields
 from mr_grid.ros_node import init_node
 
@@ -39,6 +40,7 @@ class MissionControlNode:
         rospy.Subscriber(ros_team.STATES_TOPIC, TeamState, self._on_state, queue_size=100)
         for order in ORDERS:
             rospy.Service(f"~{order}", Trigger, functools.partial(self._on_trigger, order))
+        rospy.Service(f"~{SET_LIMITS}", SetLimits, self._on_limits)
         rospy.Service("~order", OrderRobots, self._on_order)
         threading.Thread(target=self._send_all, daemon=True).start()
 
@@ -73,8 +75,14 @@ class MissionControlNode:
 
     def _on_order(self, request: Any) -> OrderRobotsResponse:
         with self._lock:
-            answer = self._control.order(request.order, list(request.robots))
+            limits = Limits(request.time, request.distance)
+            answer = self._control.order(request.order, list(request.robots), limits)
         return OrderRobotsResponse(answer.done, answer.text)
+
+    def _on_limits(self, request: Any) -> SetLimitsResponse:
+        with self._lock:
+            answer = self._control.order(SET_LIMITS, limits=Limits(request.time, request.distance))
+        return SetLimitsResponse(answer.done, answer.text)
 
     def _send_all(self) -> None:
         while not rospy.is_shutdown():

@@ -22,6 +22,7 @@ from explorer.answer import Answer
 from explorer.call_queue import CallQueue
 from explorer.decision import Decision
 from explorer.errors import ExplorerError
+from explorer.limits import Limits
 from explorer.memory import Memory, memory_of
 from explorer.msg import TeamOrder, TeamVerdicts
 from explorer.names import names_for
@@ -192,18 +193,16 @@ class ExplorerNode:
         return TriggerResponse(answer.done, answer.text)
 
     def _on_limits(self, request: Any) -> SetLimitsResponse:
-        """The parameters follow, so that the node has the same limits when it is started again."""
         with self._lock:
             answer = self._agent.set_limits(request.time, request.distance)
-        if answer.done:
-            self._keep_limits(request.time, request.distance)
         self._wake.set()
         return SetLimitsResponse(answer.done, answer.text)
 
-    def _keep_limits(self, time: float, distance: float) -> None:
+    def _keep_limits(self, limits: Limits) -> None:
+        """As parameters, so that the node has the same limits when it is started again."""
         try:
-            rospy.set_param("~time_limit", time)
-            rospy.set_param("~distance_limit", distance)
+            rospy.set_param("~time_limit", limits.time)
+            rospy.set_param("~distance_limit", limits.distance)
         except (rospy.ROSException, OSError) as error:
             rospy.logwarn(f"explorer: the master does not keep the limits: {error}")
 
@@ -292,6 +291,8 @@ class ExplorerNode:
             self._calls.log_output(effect.mask)
         elif isinstance(effect, messages.WriteLog):
             self._logs.write(effect)
+        elif isinstance(effect, messages.KeepLimits):
+            self._keep_limits(effect.limits)
         else:
             (rospy.logwarn if effect.warning else rospy.loginfo)(f"explorer: {effect.text}")
 

@@ -5,6 +5,7 @@ from typing import Any, Sequence
 
 from explorer import team_state
 from explorer.answer import Answer
+from explorer.limits import Limits
 from explorer.mission_control import Member, summary_of
 from explorer.msg import TeamMember, TeamOrder, TeamOverview, TeamState
 
@@ -14,11 +15,12 @@ LONGEST_TEXT = 500
 
 
 def order_to(order: team_state.TeamOrder) -> TeamOrder:
-    return TeamOrder(order.sender, order.number, order.order)
+    return TeamOrder(order.sender, order.number, order.order, *order.limits)
 
 
 def order_from(message: TeamOrder) -> team_state.TeamOrder:
-    return team_state.TeamOrder(message.sender.strip("/"), int(message.number), message.order)
+    limits = Limits(message.time, message.distance)
+    return team_state.TeamOrder(message.sender.strip("/"), int(message.number), message.order, limits)
 
 
 def state_to(state: team_state.TeamState, merging: str = "") -> TeamState:

@@ -7,7 +7,7 @@ from typing import Callable, Dict, Mapping, Optional, Tuple
 
 from explorer.answer import Answer
 from explorer.messages import Emit, Note, SendState
-from explorer.team_state import ORDERS, ROLL_CALL, TeamOrder, TeamState
+from explorer.team_state import ORDERS, ROLL_CALL, SET_LIMITS, TeamOrder, TeamState
 
 INTEREST = 30.0  # s for which a mission control is told after it was heard of
 PERIOD = 5.0  # s between two tellings while nothing changes
@@ -19,9 +19,14 @@ MOST_REMEMBERED = 100  # orders that are known to be carried out
 class TeamOrders:
     """Bounded: the newest senders are told, the newest orders are remembered."""
 
-    def __init__(self, carry_out: Mapping[str, Callable[[float], Answer]], emit: Emit) -> None:
-        """`carry_out`: what to do at each order."""
-        self._carry_out, self._emit = carry_out, emit
+    def __init__(
+        self,
+        carry_out: Mapping[str, Callable[[float], Answer]],
+        set_limits: Callable[[float, float], Answer],
+        emit: Emit,
+    ) -> None:
+        """`carry_out`: what to do at each order of `ORDERS`; `set_limits`: of time in s and distance in m."""
+        self._carry_out, self._set_limits, self._emit = carry_out, set_limits, emit
         self._heard: Dict[str, float] = {}
         self._done: OrderedDict[Tuple[str, int], Answer] = OrderedDict()
         self._last: Optional[Tuple[str, int]] = None
@@ -46,9 +51,12 @@ class TeamOrders:
 
     def _obey(self, order: TeamOrder, now: float) -> Answer:
         call = self._carry_out.get(order.order)
-        if call is None:
-            return Answer(False, f"unknown order {order.order!r}; there are {', '.join(ORDERS)}")
-        answer = call(now)
+        if call is not None:
+            answer = call(now)
+        elif order.order == SET_LIMITS:
+            answer = self._set_limits(*order.limits)
+        else:
+            return Answer(False, f"unknown order {order.order!r}; there are {', '.join((*ORDERS, SET_LIMITS))}")
         self._emit(Note(f"order of {order.sender}: {order.order}: {answer.text}"))
         return answer
 

@@ -4,19 +4,22 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from explorer.answer import NO_ANSWER, Answer
+from explorer.limits import NO_LIMITS, Limits
 
 ORDERS = ("start", "pause", "resume", "return_now", "stop", "go_home")
+SET_LIMITS = "set_limits"
 ROLL_CALL = ""  # an order that only asks for the state
 
 
 @dataclass(frozen=True)
 class TeamOrder:
-    """From the mission control on `sender`. `number`: of this order among those of the sender; `order` of `ORDERS`, or
-    `ROLL_CALL`."""
+    """From the mission control on `sender`. `number`: of this order among those of the sender; `order` of `ORDERS`,
+    `SET_LIMITS` with `limits`, or `ROLL_CALL`."""
 
     sender: str
     number: int
     order: str
+    limits: Limits = NO_LIMITS
 
 
 @dataclass(frozen=True)

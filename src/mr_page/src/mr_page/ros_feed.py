@@ -23,7 +23,7 @@ from visualization_msgs.msg import MarkerArray
 
 from mr_grid import GridError, Pose
 from mr_grid.ros import grid_value, yaw_of
-from mr_page.commands import LIMITS_SERVICE, ORDER_SERVICE, PASS_ON, SERVICES, Answer, Order
+from mr_page.commands import LIMITS_SERVICE, ORDER_SERVICE, PASS_ON, SERVICES, TEAM_LIMITS_SERVICE, Answer, Order
 from mr_page.ros_values import (
     LEVELS,
     decision_values,
@@ -192,7 +192,8 @@ def _answer(service: str, order: Order) -> Answer:
 def _called(service: str, order: Order) -> Any:
     """The response of the service of an order. Raises rospy.ServiceException."""
     if service == ORDER_SERVICE:
-        return rospy.ServiceProxy(service, OrderRobots)(order.command[len(PASS_ON) :], [order.to])
-    if service == LIMITS_SERVICE:
+        limits = order.limits or (0.0, 0.0)
+        return rospy.ServiceProxy(service, OrderRobots)(order.command[len(PASS_ON) :], [order.to], *limits)
+    if service in (LIMITS_SERVICE, TEAM_LIMITS_SERVICE):
         return rospy.ServiceProxy(service, SetLimits)(*order.limits)
     return rospy.ServiceProxy(service, Trigger)()

@@ -23,7 +23,13 @@ SPEED = 0.5  # m/s
 STEP = 0.1  # s
 MAP_PERIOD = 2.0  # s
 COMMANDS = ("start", "pause", "resume", "stop", "go_home", SET_LIMITS)
-CONTROL = ("team_pause", "pass_on_start", "pass_on_pause", "pass_on_resume")  # offered by the first robot
+CONTROL = (
+    "team_pause",
+    "pass_on_start",
+    "pass_on_pause",
+    "pass_on_resume",
+    PASS_ON + SET_LIMITS,
+)  # offered by the first robot
 
 
 def floor() -> np.ndarray:
@@ -155,10 +161,12 @@ class SyntheticTeam:
 
     def obey(self, robot: SyntheticRobot, order: Order) -> Answer:
         """Synthetic robots can pause, go on and take limits; the first one passes the former on."""
-        if order.command == SET_LIMITS:
-            robot.limits = list(order.limits)
-            return Answer(True, f"ends after {order.limits[0]:g} s or {order.limits[1]:g} m")
         command = order.command.removeprefix(PASS_ON)
+        if command == SET_LIMITS:
+            for other in self.robots:
+                if other.name == (order.to or robot.name):
+                    other.limits = list(order.limits)
+            return Answer(True, f"ends after {order.limits[0]:g} s or {order.limits[1]:g} m")
         if command not in ("pause", "resume"):
             return Answer(False, f"{command} is not made up")
         for other in self.robots if order.to else [robot]:

@@ -126,7 +126,7 @@ export class CommandBar {
 
   answered({ robot, command, done, text }) {
     this._unanswered = "";
-    if (command === "set_limits" && done) this._limits.taken();
+    if (command.endsWith("set_limits") && done) this._limits.taken();
     this._say(`${robot}: ${text || (done ? "done" : `${command} was refused`)}`, done);
   }
 
@@ -137,15 +137,15 @@ export class CommandBar {
       element.setAttribute("aria-disabled", String(!able));
       element.title = able ? COMMANDS[name].hint : reasons[0] ?? "there is no robot";
     }
-    const { robots, way } = this._chosen();
-    this._limits.fill(way ? [] : robots);
+    const { key, robots, way } = this._chosen();
+    this._limits.fill(way ? [] : robots, key);
   }
 
   _press(name, limits) {
     const reasons = this._reasons(name), { robots, way, to } = this._chosen(), able = robots.filter((_, i) => !reasons[i]);
     if (!able.length) return this._say(this._buttons[name].title, false);
     this._say(`${COMMANDS[name].text}: ${to || able.map((robot) => robot.name).join(", ")} …`, true);
-    const sent = able.map((robot) => this._order(robot.name, name in ORDERS ? way + name : name, to, limits));
+    const sent = able.map((robot) => this._order(robot.name, name in RADIO ? name : way + name, to, limits));
     if (sent.every(Boolean)) this._unanswered = COMMANDS[name].text;
     else this._say(`no connection: ${COMMANDS[name].text} was not sent`, false);
   }
@@ -169,7 +169,7 @@ export class CommandBar {
   }
 
   _chosen() {
-    return this._addressees.find(({ key }) => key === this._select.value) ?? { robots: [], way: "", to: "" };
+    return this._addressees.find(({ key }) => key === this._select.value) ?? { key: "", robots: [], way: "", to: "" };
   }
 
   _fillSelect() {

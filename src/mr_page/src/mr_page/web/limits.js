@@ -51,9 +51,8 @@ export class LimitForm {
     this._written = false;
   }
 
-  /** With the limits of those robots, unless somebody writes others. */
-  fill(robots) {
-    const key = robots.map(({ name }) => name).join(" ");
+  /** With the limits of those robots, unless somebody writes others. `key`: whom the buttons are for. */
+  fill(robots, key) {
     if (key !== this._key) this._written = false;
     this._key = key;
     if (!this._written) {
