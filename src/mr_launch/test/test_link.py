@@ -84,6 +84,21 @@ def test_only_sockets_are_removed(wire, tmp_path):
     Hub(tmp_path / "left", Wire(wire[0])).close()
 
 
+def test_a_socket_that_is_there_listens(wire, tmp_path, monkeypatch):
+    """Between the two a client was refused."""
+    listen = socket.socket.listen
+
+    def looks_first(one):
+        assert not (tmp_path / "hub").exists()
+        listen(one)
+
+    monkeypatch.setattr(socket.socket, "listen", looks_first)
+    hub = Hub(tmp_path / "hub", Wire(wire[0]))
+    client(tmp_path / "hub").close()
+    hub.close()
+    assert not os.listdir(tmp_path)
+
+
 def test_frames_pass_both_ways(hub, wire, tmp_path):
     with client(tmp_path / "new" / "hub") as anna:
         anna.send(b"\1" * 2318)

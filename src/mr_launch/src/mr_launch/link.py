@@ -69,10 +69,9 @@ class Hub:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             _remove_socket(path)
-            self._listener.bind(str(path))
+            _listen(self._listener, path)
         except OSError as error:
             raise UserError(f"no hub socket at {path}: {error.strerror or error}") from error
-        self._listener.listen()
         self._selector.register(self._listener, selectors.EVENT_READ, self._accept)
         self._selector.register(link.fileno(), selectors.EVENT_READ, self._hear)
 
@@ -126,6 +125,15 @@ class Hub:
         del self._named[client]
         self._selector.unregister(client)
         client.close()
+
+
+def _listen(listener: socket.socket, path: Path) -> None:
+    """Who sees the socket at `path` can connect: it gets its name when it listens already. Raises OSError."""
+    unready = path.with_name(path.name + "~")
+    _remove_socket(unready)
+    listener.bind(str(unready))
+    listener.listen()
+    unready.rename(path)
 
 
 def _remove_socket(path: Path) -> None:
