@@ -1,5 +1,6 @@
 """Every launch file and every parameter file loads; robot.launch explains its arguments."""
 
+import functools
 import os
 import shlex
 import subprocess
@@ -42,16 +43,12 @@ NEEDED = {  # arguments without a default
 }
 
 
-def roslaunch(option, name, *arguments, packages=""):
-    """`packages`: folder with further packages."""
+def roslaunch(option, name, *arguments):
     command = ["roslaunch", option, "mr_launch", name, *NEEDED.get(name, []), *arguments]
-    path = os.pathsep.join(filter(None, [str(packages), os.environ["ROS_PACKAGE_PATH"]]))
-    environment = {**os.environ, "ROS_PACKAGE_PATH": path}
-    result = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
-    assert result.returncode == 0 and "Exception" not in result.stderr, result.stderr
-    return result.stdout
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@functools.lru_cache(maxsize=None)
 def loaded(name, *arguments):
     """The launch file as roslaunch reads it, without the time that a process of its own takes."""
     config = ROSLaunchConfig()
@@ -69,8 +66,16 @@ def parameters_of(name, *arguments):
 
 
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
-def test_loads(path):
-    assert "/" in roslaunch("--nodes", path.name)
+def test_loads(path, capfd):
+    assert nodes_of(path.name) and "Exception" not in capfd.readouterr().err
+
+
+def test_it_is_read_here_as_by_roslaunch():
+    told = roslaunch("--nodes", "robot.launch")
+    assert (told.returncode, set(told.stdout.split())) == (0, nodes_of("robot.launch")), told.stderr
+    told = roslaunch("--dump-params", "robot.launch")
+    parameters = yaml.safe_load(told.stdout)
+    assert {name: parameters[name] for name in parameters_of("robot.launch")} == parameters_of("robot.launch")
 
 
 @pytest.mark.parametrize(
@@ -89,15 +94,19 @@ def test_nodes_of_a_robot(arguments, more, tmp_path):
 
 
 @pytest.fixture
-def packages(tmp_path):
-    """A folder with empty packages under the names of those of others."""
+def packages(tmp_path, monkeypatch):
+    """There are empty packages under the names of those of others."""
     for name in ("gmapping", "slam_toolbox", "hector_mapping", "move_base", "mbf_costmap_nav", "stage_ros"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "package.xml").write_text(
             f"<package><name>{name}</name><version>1.0.0</version><description>x</description>"
             "<maintainer email='a@b.c'>x</maintainer><license>x</license></package>"
         )
-    return tmp_path
+    monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join([str(tmp_path), os.environ["ROS_PACKAGE_PATH"]]))
+    monkeypatch.setattr("roslaunch.substitution_args._rospack", None)  # made once for a path
+    loaded.cache_clear()
+    yield
+    loaded.cache_clear()
 
 
 @pytest.mark.parametrize(
@@ -117,9 +126,9 @@ def packages(tmp_path):
 )  # fmt: skip
 def test_slam_and_navigation_of_others(arguments, nodes, words, packages):
     others = [*arguments, "robot:=turtlebot", "scan_topic:=scan", "velocity_topic:=mobile_base/commands/velocity"]
-    found = set(roslaunch("--nodes", "robot.launch", *others, packages=packages).split())
-    assert found == {"/adhoc_communication", "/map_merger", "/explorer", "/slam", "/move_base"} | nodes
-    parameters = yaml.safe_load(roslaunch("--dump-params", "robot.launch", *others, packages=packages))
+    ours = {"/adhoc_communication", "/map_merger", "/explorer", "/slam", "/move_base"}
+    assert nodes_of("robot.launch", *others) == ours | nodes
+    parameters = parameters_of("robot.launch", *others)
     assert {name: parameters[name] for name in words} == words
 
 
@@ -203,7 +212,7 @@ def test_every_node_with_logs_is_told_where_they_go(tmp_path):
 @pytest.mark.parametrize("count", [2, 5])
 def test_robots_under_one_master_have_their_own_names_and_frames(count):
     name = f"simulation_{count}.launch"
-    nodes = nodes_of(name)
+    nodes = nodes_of(name, "p_tx:=1")
     assert len(nodes) == 1 + 5 * count and "/stageros" in nodes
     parameters = parameters_of(name, "p_tx:=1")
     assert parameters["/stageros/robots"] == count
@@ -263,9 +272,8 @@ def test_the_bag_holds_the_topics_of_the_robots_own_drivers(tmp_path):
 def test_a_relative_folder_for_records_is_refused(path, tmp_path, monkeypatch, capfd):
     """Once roslaunch made it where it was called, the recorder looked for it elsewhere and found the disk full."""
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(XmlParseException):
-        loaded("robot.launch", "record:=true", f"record_path:={path}")
-    assert f"record_path:={path} has to begin with /" in capfd.readouterr().err and not list(tmp_path.iterdir())
+    told = refused(capfd, "robot.launch", "record:=true", f"record_path:={path}")
+    assert f"record_path:={path} has to begin with /" in told and not list(tmp_path.iterdir())
 
 
 def test_nodes_are_started_again():
@@ -361,18 +369,23 @@ def test_an_own_robot(tmp_path):
         (["time_limit:=-1"], "explorer: parameter ~time_limit is -1.0, out of range"),
     ],
 )
-def test_what_cannot_be_is_refused_before_anything_starts(arguments, part):
-    command = ["roslaunch", "--nodes", "mr_launch", "robot.launch", *arguments]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert result.returncode != 0 and part in result.stderr
+def test_what_cannot_be_is_refused_before_anything_starts(arguments, part, capfd):
+    assert part in refused(capfd, "robot.launch", *arguments)
 
 
-def refused(name, *arguments):
-    """The first line that it says. Only what roslaunch adds of itself follows."""
-    command = ["roslaunch", "--nodes", "mr_launch", name, *NEEDED.get(name, []), *arguments]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert result.returncode != 0 and "Traceback" not in result.stderr
-    return result.stderr.splitlines()[0]
+def refused(capfd, name, *arguments):
+    """What is said while it is read: roslaunch ends with it."""
+    with pytest.raises(XmlParseException):
+        loaded(name, *arguments)
+    told = capfd.readouterr().err
+    assert "Traceback" not in told
+    return told
+
+
+def test_roslaunch_ends_with_what_is_said_first():
+    told = roslaunch("--nodes", "simulation_5.launch", "world:=nosuch")
+    assert told.returncode != 0 and "Traceback" not in told.stderr
+    assert told.stderr.startswith('world:=nosuch: no world "nosuch"')
 
 
 @pytest.mark.parametrize(
@@ -385,17 +398,15 @@ def refused(name, *arguments):
         (["frontier_selection:=9"], "explorer: parameter ~frontier_selection is 9"),
     ],
 )
-def test_a_simulation_that_cannot_be_is_refused_before_anything_starts(arguments, part):
+def test_a_simulation_that_cannot_be_is_refused_before_anything_starts(arguments, part, capfd):
     """gazebo meant ours without a word, and a world that is not there ended all robots after their start."""
-    assert refused("simulation_5.launch", *arguments).startswith(part)
+    assert refused(capfd, "simulation_5.launch", *arguments).startswith(part)
 
 
-def test_the_stage_of_others_is_started_where_it_is_installed(packages):
+def test_the_stage_of_others_is_started_where_it_is_installed(packages, capfd):
     world = f"world:={PACKAGE.parents[1] / 'worlds' / 'office26x15.world'}"
-    nodes = roslaunch("--nodes", "simulation_2.launch", "simulator:=stage", world, packages=packages).split()
-    assert "/stageros" in nodes and "/robot_1/explorer" in nodes
-    with pytest.raises(AssertionError, match="simulator:=stage takes no names of worlds"):
-        roslaunch("--nodes", "simulation_2.launch", "simulator:=stage", packages=packages)
+    assert {"/stageros", "/robot_1/explorer"} <= nodes_of("simulation_2.launch", "simulator:=stage", world)
+    assert "simulator:=stage takes no names of worlds" in refused(capfd, "simulation_2.launch", "simulator:=stage")
 
 
 @pytest.mark.parametrize("name", ["simulation_2.launch", "simulation_5.launch"])
