@@ -53,6 +53,11 @@ def test_the_team_runner_begins_without_what_is_slow_to_import(module):
     assert loaded_of(SLOW, f"import {module}") == "[]"
 
 
+def test_arguments_of_launch_files_are_looked_at_without_what_is_slow_to_import():
+    """A third of it was SciPy, for each robot that was started."""
+    assert loaded_of(SLOW, "import mr_launch.argument_checks") == "[]"
+
+
 def test_a_mission_in_virtual_time_begins_without_the_statistics_of_benchmarks():
     """A tenth of its start: many programs and tests start one."""
     assert loaded_of({"matplotlib", "scipy.stats"}, "import mr_experiments.host.mission") == "[]"

@@ -19,7 +19,12 @@ from adhoc_communication.msg import MmPoint, Status
 from std_msgs.msg import String
 from std_srvs.srv import Empty, EmptyResponse
 
-from map_merger import ros_io, ros_outputs, ros_radio
+from map_merger import (
+    fourier,  # noqa: F401, which searches import, and they must not wait for that
+    ros_io,
+    ros_outputs,
+    ros_radio,
+)
 from map_merger.agent import Agent
 from map_merger.delivery import Delivery, take
 from map_merger.effects import (

@@ -9,12 +9,6 @@ import math
 from typing import List, NamedTuple, Optional
 
 import numpy as np
-from scipy.fftpack import next_fast_len
-
-try:
-    from scipy.fft import irfft2, rfft2
-except ImportError:  # SciPy before 1.4, as on Ubuntu 20.04: slower, and of double precision
-    from numpy.fft import irfft2, rfft2
 
 from mr_grid import Pose, normalized
 from mr_grid.imaging import blurred, box_means, dilated
@@ -92,6 +86,9 @@ class _ShiftScorer:
     """Scores all shifts of the source for one rotation after the other."""
 
     def __init__(self, target: Landmarks, source: Landmarks, centre: np.ndarray, prior: Optional[Prior]) -> None:
+        from . import fourier  # slow to import
+
+        self._fourier = fourier
         self._centre = centre
         extent = max(_extent(target), _extent(source))
         self._cell = max(COARSE_CELL, target.info.resolution, extent / MOST_COARSE_CELLS)
@@ -108,14 +105,14 @@ class _ShiftScorer:
             high = np.maximum(target.surface.points.max(axis=0), clear_points.max(axis=0))
             columns, rows = np.ceil((high - self._low) / self._cell).astype(int) + 1
         side = 2 * self._half + 1
-        self._shape = (next_fast_len(int(rows) + side), next_fast_len(int(columns) + side))
+        self._shape = tuple(fourier.next_fast_len(int(cells) + side) for cells in (rows, columns))
         walls = self._raster(target.surface.points, Pose(), self._low, target.surface.spacing / self._cell)
         clear_weight = (target.info.resolution / self._cell) ** 2 * _stride(target, self._cell) ** 2
         clear = self._raster(clear_points, Pose(), self._low, clear_weight)
         field = np.minimum(blurred(np.minimum(walls, 2.0), 1.0) * 2.0, 1.0)
         field -= _PENALTY * np.minimum(clear, 1.0) * (field < 0.1)
-        self._field = rfft2(field)
-        self._wall_spectrum = rfft2(np.minimum(walls, 2.0))
+        self._field = fourier.rfft2(field)
+        self._wall_spectrum = fourier.rfft2(np.minimum(walls, 2.0))
         self._wall_weight = source.surface.spacing / self._cell
         self._allowed = None if prior is None else self._near(prior)
 
@@ -127,8 +124,8 @@ class _ShiftScorer:
         clear = self._raster(self._clear, turn, corner, self._clear_weight)
         near_walls = box_means(walls, 3) > 0.0
         clear = np.where(near_walls, 0.0, np.minimum(clear, 1.0)).astype(np.float32)
-        spectra = rfft2(np.stack([walls, clear]))
-        score = irfft2(
+        spectra = self._fourier.rfft2(np.stack([walls, clear]))
+        score = self._fourier.irfft2(
             self._field * np.conj(spectra[0]) - _PENALTY * self._wall_spectrum * np.conj(spectra[1]), self._shape
         )
         return self._best(np.ascontiguousarray(score, dtype=np.float32), rotation)
