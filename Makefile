@@ -1,5 +1,5 @@
 # People's entry points. `make demo` and `make test` set everything up by themselves.
-.PHONY: demo test test-commands build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-page bench-doctor soak nightly experiments clean
+.PHONY: demo test test-commands build dependencies lint sanitize fuzz scenarios bench bench-adhoc bench-adhoc-long bench-merge bench-meet bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-slam-peers bench-navigation bench-navigation-peers bench-sim bench-guard bench-page bench-doctor soak nightly experiments clean
 
 SHELL := /bin/bash
 ENVIRONMENT := source tools/environment.sh &&
@@ -24,7 +24,7 @@ dependencies:
 	@tools/install_dependencies
 
 # Each prints its table and writes rows of JSON below out/bench.
-bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-page bench-doctor
+bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-guard bench-page bench-doctor
 
 RADIO_PARTS = base goodput multicast mixed_rates routes idle priority
 RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios $(addprefix _,$(RADIO_PARTS)) _memory _medium _hosts _babel) out/bench/adhoc.json
@@ -117,6 +117,10 @@ bench-navigation-peers: build
 
 bench-sim: build
 	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_experiments bench speed --out out/bench/sim.json
+
+# The seeded missions whose outcome is stored: how much processor time they take. A minute or two of one core.
+bench-guard: build
+	@mkdir -p out/bench && $(ENVIRONMENT) python3 src/mr_experiments/test/test_guard.py --out out/bench/guard.json
 
 # The status page of eight robots in a headless Chromium: two minutes. Its figures are those of an idle computer only.
 bench-page: build

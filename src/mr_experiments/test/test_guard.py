@@ -8,6 +8,7 @@ import argparse
 import contextlib
 import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -15,6 +16,7 @@ from pathlib import Path
 
 from made_missions import made_mission, made_robot
 
+from mr_experiments.bench.rows import exit_code, printed, row_of, write_rows
 from mr_experiments.common.plain_rounding import plain_environment
 from mr_experiments.sweep.record import own_versions
 from mr_experiments.sweep.sweep import LocalPool, default_jobs
@@ -26,6 +28,7 @@ from mr_measures.record.robot_record import Contacts, MapFigures
 from mr_measures.record.series import TeamSeries
 
 TABLE = Path(__file__).with_name("guard.json")
+BAR = 120.0  # s of processor time
 STORE = "/usr/bin/python3 test_guard.py --store"
 WEAK = RadioOptions(range=5.0, loss=0.1, wall_attenuation=10.0)
 
@@ -110,6 +113,20 @@ def run_all():
         return json.loads(path.read_text())
 
 
+def measured_run():
+    """What `run_all` gives, and the processor time of all processes that it takes, in s."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    table = run_all()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return table, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def row_of_time(seconds, changed):
+    """A row as the benchmarks'. `changed`: trials that ended otherwise than stored."""
+    told = f"{changed} of them not as stored" if changed else "all as stored"
+    return row_of(f"guard, {len(TRIALS)} trials", f"<= {BAR:g}", round(seconds, 1), "s", seconds <= BAR, told)
+
+
 def run_here():
     with tempfile.TemporaryDirectory() as name, working_in(name):
         folder = Path(name) / "records"
@@ -126,16 +143,18 @@ def same(figure, before, after):
     return before == after
 
 
-def differences(before, after):
-    """Lines of text; none if all is as stored."""
-    rows = []
+def changes(before, after):
+    """(trial, figure, value before, value after) of what is not as stored."""
     for key in [*before["trials"], *(key for key in after["trials"] if key not in before["trials"])]:
         old, new = before["trials"].get(key, {}), after["trials"].get(key, {})
-        rows += [
-            (key, figure, old.get(figure), new.get(figure))
-            for figure in {**old, **new}
-            if not same(figure, old.get(figure), new.get(figure))
-        ]
+        for figure in {**old, **new}:
+            if not same(figure, old.get(figure), new.get(figure)):
+                yield key, figure, old.get(figure), new.get(figure)
+
+
+def differences(before, after):
+    """Lines of text; none if all is as stored."""
+    rows = list(changes(before, after))
     if not rows:
         return []
     lines = [f"{len(rows)} figures of {len({row[0] for row in rows})} trials have changed:", ""]
@@ -220,25 +239,36 @@ def test_other_versions_are_told():
     assert differences(table(), {**table(), "versions": {"numpy": "2"}}) == []
 
 
+def test_its_time_is_a_row_of_a_benchmark():
+    row = row_of_time(76.04, 0)
+    assert (row["what"], row["bar"], row["value"], row["unit"]) == ("guard, 22 trials", "<= 120", 76.0, "s")
+    assert row["holds"] and row["detail"] == "all as stored"
+    assert not row_of_time(120.1, 0)["holds"] and row_of_time(1.0, 2)["detail"] == "2 of them not as stored"
+
+
 def main():
     parser = argparse.ArgumentParser(
-        description=__doc__.splitlines()[0], epilog="Exit code: 0 all as stored, 1 something changed."
+        description=__doc__.splitlines()[0], epilog="Exit code: 0 all as stored, 1 something changed or took too long."
     )
     parser.add_argument("--store", action="store_true", help=f"store the outcome in {TABLE.name}")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="JSON file to write the row of its processor time to")
     parser.add_argument("--write", type=Path, help="only run the trials and write their outcome to this file")
     arguments = parser.parse_args()
     if arguments.write:
         arguments.write.write_text(json.dumps(run_here()))
         return 0
-    now = run_all()
+    now, seconds = measured_run()
     before = json.loads(TABLE.read_text()) if TABLE.exists() else {"versions": {}, "trials": {}}
     lines = differences(before, now)
     print("\n".join(lines) or "All as stored.")
+    row = printed(row_of_time(seconds, len({key for key, *_ in changes(before, now)})))
+    if arguments.out:
+        write_rows([row], arguments.out)
     if arguments.store:
         TABLE.write_text(json.dumps(now, indent=2) + "\n")
         print(f"Stored in {TABLE}.")
         return 0
-    return 1 if lines else 0
+    return 1 if lines else exit_code([row])
 
 
 if __name__ == "__main__":
