@@ -9,6 +9,7 @@ from typing import Callable, List, Tuple
 
 import numpy as np
 import pytest
+import usual_robot
 from usual_robot import slam_with
 
 from mr_grid import Pose
@@ -347,7 +348,7 @@ def test_memory_of_a_laser_that_sees_far_is_bounded(farthest: float) -> None:
     code = f"""
 import math, resource, sys
 import numpy as np
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path.append({str(Path(usual_robot.__file__).parent)!r})
 from mr_grid import Pose
 from usual_robot import slam_with
 from mr_robot.slam.engine import LaserScan
