@@ -1,5 +1,5 @@
 """OpenCV's imgproc for arrays of shape (rows, columns) (src/cpp/imaging.cpp): see `mr_grid.imaging`. What a grid shows
-of robots: see `mr_grid.robot_traces`."""
+of robots: see `mr_grid.robot_traces`; at points: see `mr_grid.grid.values_at`."""
 
 from typing import Sequence
 
@@ -26,4 +26,7 @@ def robot_traces(
     places: Sequence[tuple[float, float]],
     most_apart: float,
     largest: float,
+) -> np.ndarray: ...
+def values_at(
+    cells: np.ndarray, resolution: float, origin: tuple[float, float], points: np.ndarray, outside: int
 ) -> np.ndarray: ...

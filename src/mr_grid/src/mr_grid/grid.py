@@ -11,6 +11,7 @@ from typing import Tuple
 
 import numpy as np
 
+from mr_grid import _imaging
 from mr_grid.pose import IDENTITY, Pose
 
 UNKNOWN = -1
@@ -165,6 +166,9 @@ def grid_of(info: GridInfo, data: np.ndarray) -> OccupancyGrid:
 
 def values_at(cells: np.ndarray, info: GridInfo, points: np.ndarray, outside: float) -> np.ndarray:
     """Value of `cells` (rows, columns), of any type, at points (n, 2) in metres, `outside` beyond the grid."""
+    if cells.dtype == np.int8 and not info.origin.yaw:
+        flat = np.asarray(points, dtype=float).reshape(-1, 2)
+        return _imaging.values_at(cells, info.resolution, info.origin[:2], flat, int(outside))
     rows, columns = info.rows_and_columns(points)
     inside = (rows >= 0) & (rows < info.height) & (columns >= 0) & (columns < info.width)
     if not cells.size:
