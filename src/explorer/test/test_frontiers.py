@@ -1,7 +1,7 @@
 """Frontier cells, thinning, identity over time, foreign frontiers."""
 
 import math
-from typing import List, Tuple
+from typing import Any, List, Tuple
 
 import numpy as np
 import pytest
@@ -135,6 +135,37 @@ def test_what_is_near_is_told_from_the_points_that_are_there_now(changes: List[T
             points.pop(number, None)
         near = any(math.hypot(px - 0.5, py) <= 0.7 for px, py in points.values())
         assert foreign.has_near(Element("robot_1", 9, 0.5, 0.0), 0.7) == near
+
+
+ROBOTS = st.sampled_from(["robot_1", "robot_2"])
+CHANGES = st.one_of(
+    st.tuples(st.just("add"), ROBOTS, st.integers(0, 4), st.floats(-2, 2)),
+    st.tuples(st.just("remove"), ROBOTS, st.integers(0, 4)),
+    st.tuples(st.just("place"), ROBOTS, st.none() | st.floats(-9, 9)),
+    st.tuples(st.just("mission"), ROBOTS, st.integers(0, 1)),
+)
+
+
+@given(st.lists(CHANGES, max_size=30))
+def test_places_in_the_own_frame_follow_every_change(changes: list) -> None:
+    def change(foreign: ForeignFrontiers, kind: str, robot: str, *what: Any) -> None:
+        if kind == "add":
+            foreign.add(Element(robot, what[0], what[1], 1.0))
+        elif kind == "remove":
+            foreign.remove((robot, what[0]))
+        elif kind == "place":
+            foreign.set_transform(robot, None if what[0] is None else np.array([[0, -1.0, what[0]], [1.0, 0, 2.0]]))
+        else:
+            foreign.take_mission(robot, what[0])
+
+    keys = [(robot, number) for robot in ("robot_1", "robot_2") for number in range(5)]
+    asked = ForeignFrontiers(maximum_per_robot=3)
+    for count, each in enumerate(changes, start=1):
+        change(asked, *each)
+        anew = ForeignFrontiers(maximum_per_robot=3)
+        for former in changes[:count]:
+            change(anew, *former)
+        assert asked.in_own_frame(keys) == anew.in_own_frame(keys)
 
 
 def test_any_number_of_robots_takes_bounded_memory() -> None:

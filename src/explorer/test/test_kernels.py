@@ -25,10 +25,12 @@ from explorer._kernels import (
     large_frontiers,
     lines_are_clear,
     near_any,
+    nearest_near,
     nearest_views,
     pooled_maximum,
     search_views,
     thin,
+    within_any,
 )
 
 seeds = st.integers(0, 2**32 - 1)
@@ -192,6 +194,19 @@ def test_points_near_places(seed: int) -> None:
     points, places = random.uniform(-3, 3, (20, 2)), random.uniform(-3, 3, (int(random.integers(0, 9)), 2))
     gaps = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1))
     assert (near_any(points, places, 0.7) == (gaps < 0.7).any(axis=1)).all()
+
+
+@settings(max_examples=60)
+@given(seeds)
+def test_the_nearest_of_places_and_whether_one_is_within_reach(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    # On a lattice places are as far away as others, and as far as the limit.
+    points, places = (0.05 * random.integers(-40, 40, (count, 2)) for count in (20, int(random.integers(0, 30))))
+    gaps = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1))
+    assert (within_any(points, places, 0.7) == (gaps <= 0.7).any(axis=1)).all()
+    near = near_any(points, places, 0.7)
+    expected = np.where(near, gaps.argmin(axis=1), -1) if len(places) else np.full(20, -1)
+    assert (nearest_near(points, places, 0.7) == expected).all()
 
 
 @settings(max_examples=60)

@@ -121,6 +121,22 @@ Array<bool> points_near_any(const Array<double>& points, const Array<double>& pl
   return near;
 }
 
+Array<bool> points_within_any(const Array<double>& points, const Array<double>& places, double distance) {
+  require(are_pairs(points) && are_pairs(places), "points and places need shapes (n, 2)");
+  Array<bool> within(points.shape(0));
+  within_any(points.data(), static_cast<std::size_t>(points.shape(0)), places.data(),
+             static_cast<std::size_t>(places.shape(0)), distance, within.mutable_data());
+  return within;
+}
+
+Array<std::int64_t> nearest_near_places(const Array<double>& points, const Array<double>& places, double distance) {
+  require(are_pairs(points) && are_pairs(places), "points and places need shapes (n, 2)");
+  Array<std::int64_t> nearest(points.shape(0));
+  nearest_near(points.data(), static_cast<std::size_t>(points.shape(0)), places.data(),
+               static_cast<std::size_t>(places.shape(0)), distance, nearest.mutable_data());
+  return nearest;
+}
+
 Array<std::int64_t> thinned(const Array<double>& points, double distance) {
   require(are_pairs(points), "points need the shape (n, 2)");
   const auto kept = thin(points.data(), static_cast<std::size_t>(points.shape(0)), distance);
@@ -270,6 +286,11 @@ PYBIND11_MODULE(_kernels, module) {
              "more than `reach` rows and columns away.");
   module.def("near_any", &points_near_any, py::arg("points"), py::arg("places"), py::arg("distance"),
              "bool (n,): which of the float64 points (n, 2) have one of the places (m, 2) nearer than that.");
+  module.def("within_any", &points_within_any, py::arg("points"), py::arg("places"), py::arg("distance"),
+             "bool (n,): which of the float64 points (n, 2) have one of the places (m, 2) no farther than that.");
+  module.def("nearest_near", &nearest_near_places, py::arg("points"), py::arg("places"), py::arg("distance"),
+             "int64 (n,): which of the places (m, 2) is the nearest to each of the float64 points (n, 2), the first of "
+             "several; -1 where none is nearer than that.");
   module.def(
       "unknown_behind", &find_unknown_behind, py::arg("cells"), py::arg("occupied_from"), py::arg("enterable"),
       py::arg("starts"), py::arg("reach"), py::arg("skipped"),

@@ -18,6 +18,32 @@ bool is_near_any(const double* point, const double* places, std::size_t m, doubl
   return false;
 }
 
+bool is_within_any(const double* point, const double* places, std::size_t m, double distance) {
+  for (std::size_t i = 0; i < m; ++i) {
+    const double x = std::abs(places[2 * i] - point[0]), y = std::abs(places[2 * i + 1] - point[1]);
+    if (x <= distance && y <= distance && std::hypot(x, y) <= distance) return true;
+  }
+  return false;
+}
+
+std::int64_t nearest_to(const double* point, const double* places, std::size_t m, double squared_distance) {
+  // The lengths decide, their squares only spare most of them; the margin is for the rounding of either.
+  const double most = squared_distance * (1.0 + 1e-9);
+  double least = 0.0;
+  std::int64_t nearest = -1;
+  bool near = false;
+  for (std::size_t i = 0; i < m; ++i) {
+    const double x = places[2 * i] - point[0], y = places[2 * i + 1] - point[1], squared = x * x + y * y;
+    if (!(squared <= most)) continue;
+    near = near || squared < squared_distance;
+    const double length = std::hypot(x, y);
+    if (nearest >= 0 && length >= least) continue;
+    nearest = static_cast<std::int64_t>(i);
+    least = length;
+  }
+  return near ? nearest : -1;
+}
+
 // The points kept so far, by squares of edge `distance`.
 class Kept {
  public:
@@ -56,6 +82,16 @@ class Kept {
 
 void near_any(const double* points, std::size_t n, const double* places, std::size_t m, double distance, bool* near) {
   for (std::size_t i = 0; i < n; ++i) near[i] = is_near_any(points + 2 * i, places, m, distance * distance);
+}
+
+void within_any(const double* points, std::size_t n, const double* places, std::size_t m, double distance,
+                bool* within) {
+  for (std::size_t i = 0; i < n; ++i) within[i] = is_within_any(points + 2 * i, places, m, distance);
+}
+
+void nearest_near(const double* points, std::size_t n, const double* places, std::size_t m, double distance,
+                  std::int64_t* nearest) {
+  for (std::size_t i = 0; i < n; ++i) nearest[i] = nearest_to(points + 2 * i, places, m, distance * distance);
 }
 
 std::vector<std::size_t> thin(const double* points, std::size_t n, double distance) {

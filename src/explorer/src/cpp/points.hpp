@@ -10,6 +10,15 @@ namespace explorer {
 // Writes to `near` which of n points have one of the `m` places nearer than `distance`.
 void near_any(const double* points, std::size_t n, const double* places, std::size_t m, double distance, bool* near);
 
+// The same for places no farther than `distance`.
+void within_any(const double* points, std::size_t n, const double* places, std::size_t m, double distance,
+                bool* within);
+
+// Writes to `nearest` which of the `m` places is the nearest to each of n points, the first of several; -1 where none
+// is nearer than `distance`.
+void nearest_near(const double* points, std::size_t n, const double* places, std::size_t m, double distance,
+                  std::int64_t* nearest);
+
 // Indices of a subset of n points: each point left out has one of the subset within the box of half edge `distance`,
 // no two of the subset lie in each other's box. First come first kept.
 std::vector<std::size_t> thin(const double* points, std::size_t n, double distance);

@@ -6,6 +6,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from explorer._kernels import within_any
 from mr_grid import is_place
 
 # Points of one robot that are kept.
@@ -34,14 +35,15 @@ class Element:
 class ForeignFrontiers:
     """Frontier points that other robots have reported, per detecting robot, bounded, newest kept.
 
-    Coordinates stay in the detector's map frame; `in_own_frame` applies the newest transform at every call, so that
-    a refined transform takes effect at once. Without a transform a robot's points do not take part.
+    Coordinates stay in the detector's map frame; `in_own_frame` applies the newest transform, so that a refined
+    transform takes effect at once. Without a transform a robot's points do not take part.
     """
 
     def __init__(self, maximum_per_robot: int = MAXIMUM_POINTS) -> None:
         self._maximum = maximum_per_robot
         self._points: Dict[str, Dict[int, Tuple[float, float]]] = {}
         self._places: Dict[str, np.ndarray] = {}  # the same as (n, 2) arrays, made when they are asked for
+        self._own: Dict[str, Dict[int, Tuple[float, float]]] = {}  # of the same in the own frame, those asked for
         self._transforms: Dict[str, Tuple[float, ...]] = {}
         self._missions: Dict[str, int] = {}
         self.revision = 0  # counts the changes
@@ -50,21 +52,23 @@ class ForeignFrontiers:
     def add(self, element: Element) -> None:
         points = self._points.setdefault(element.detected_by, {})
         points.pop(element.number, None)
-        self._changed(element.detected_by)
+        self._changed(element.detected_by, element.number)
         points[element.number] = (element.x, element.y)
         if len(points) > self._maximum:
-            del points[next(iter(points))]
+            oldest = next(iter(points))
+            del points[oldest]
+            self._own.get(element.detected_by, {}).pop(oldest, None)
         if len(self._points) > REMEMBERED_ROBOTS:
             first = next(iter(self._points))
             del self._points[first]
-            self._changed(first)
+            self._all_changed(first)
 
     def take_mission(self, robot: str, mission: int) -> None:
         """The mission that a robot is on. With another one than before its points are gone: an explorer that was
         started anew counts them from the start again."""
         if self._missions.get(robot, mission) != mission and robot in self._points:
             del self._points[robot]
-            self._changed(robot)
+            self._all_changed(robot)
         self._missions.pop(robot, None)
         self._missions[robot] = mission
         if len(self._missions) > REMEMBERED_ROBOTS:
@@ -72,17 +76,25 @@ class ForeignFrontiers:
 
     def remove(self, key: Key) -> None:
         self._points.get(key[0], {}).pop(key[1], None)
-        self._changed(key[0])
+        self._changed(*key)
 
-    def _changed(self, robot: str) -> None:
+    def _changed(self, robot: str, number: int) -> None:
         self._places.pop(robot, None)
+        self._own.get(robot, {}).pop(number, None)
+        self.revision += 1
+
+    def _all_changed(self, robot: str) -> None:
+        self._places.pop(robot, None)
+        self._own.pop(robot, None)
         self.revision += 1
 
     def set_transform(self, robot: str, transform: Optional[np.ndarray]) -> None:
         """`transform`: (2, 3) array from the robot's map frame to the own one in metres; None: not known."""
         self.revision += 1
         rows = None if transform is None else tuple(np.asarray(transform, dtype=float).reshape(6).tolist())
-        self.transform_revision += rows != self._transforms.get(robot)
+        if rows != self._transforms.get(robot):
+            self.transform_revision += 1
+            self._own.pop(robot, None)
         if rows is None:
             self._transforms.pop(robot, None)
         else:
@@ -107,7 +119,7 @@ class ForeignFrontiers:
         places = self._places.get(element.detected_by)
         if places is None:
             places = self._places[element.detected_by] = np.array(list(points.values()), dtype=float)
-        return bool((np.hypot(places[:, 0] - element.x, places[:, 1] - element.y) <= radius).any())
+        return bool(within_any(np.array(((element.x, element.y),)), places, radius)[0])
 
     def count(self) -> int:
         return sum(len(points) for points in self._points.values())
@@ -124,13 +136,20 @@ class ForeignFrontiers:
 
     def in_own_frame(self, keys: Sequence[Key]) -> List[Tuple[float, float]]:
         """(x, y) in metres in the own map frame of those points that are known, with their transform."""
-        points, transforms, places = self._points, self._transforms, []
+        places = []
+        placed = self._transforms.keys() & self._points.keys()
+        robots = {robot: self._own.setdefault(robot, {}) for robot in placed.intersection(robot for robot, _ in keys)}
         for robot, number in keys:
-            transform = transforms.get(robot)
-            if transform is not None and robot in points:
-                point = points[robot].get(number)
-                if point is not None:
-                    places.append(_transformed(transform, *point))
+            known = robots.get(robot)
+            if known is None:
+                continue
+            place = known.get(number)
+            if place is None:
+                point = self._points[robot].get(number)
+                if point is None:
+                    continue
+                place = known[number] = _transformed(self._transforms[robot], *point)
+            places.append(place)
         return places
 
 

@@ -6,7 +6,7 @@ from typing import Dict, FrozenSet, Iterable, Mapping, NamedTuple, Sequence, Tup
 
 import numpy as np
 
-from explorer._kernels import near_any
+from explorer._kernels import nearest_near
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
 from explorer.grid import OccupancyMap
@@ -70,9 +70,8 @@ def points_of(frontiers: Iterable[Frontier]) -> np.ndarray:
 
 def _explored(points: np.ndarray, places: np.ndarray, robots: Sequence[str]) -> Dict[int, str]:
     """{row: robot} of those of the points that are near a place which a robot has explored; (n, 2) arrays in metres."""
-    near = np.flatnonzero(near_any(points, places, TOLD_DISTANCE)).tolist()
-    gaps = {row: np.hypot(places[:, 0] - points[row, 0], places[:, 1] - points[row, 1]) for row in near}
-    return {row: robots[int(gap.argmin())] for row, gap in gaps.items()}
+    nearest = nearest_near(points, places, TOLD_DISTANCE).tolist()
+    return {row: robots[place] for row, place in enumerate(nearest) if place >= 0}
 
 
 def without_denied(
