@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from explorer.clusters import Cluster, ClusterStore, group, split_long
 from explorer.foreign import Element, ForeignFrontiers
 from explorer.frontiers import Frontier
-from explorer.recognition import listed, match
+from explorer.recognition import Recognition, listed
 
 
 def frontiers(*points: tuple, first: int = 0) -> list:
@@ -88,29 +88,29 @@ def shifted_listing(count: int, share: float, shift: float) -> tuple:
 def test_more_than_forty_percent_match() -> None:
     own, foreign, keys = shifted_listing(10, 0.3, 0.0)
     # Three listed points cover themselves and the next point within the matching distance: four of ten.
-    assert match([own], listed(keys, foreign, "robot_0")) is None
+    assert Recognition([own]).match(listed(keys, foreign, "robot_0")) is None
     own, foreign, keys = shifted_listing(10, 0.4, 0.0)
-    assert match([own], listed(keys, foreign, "robot_0")) is own
+    assert Recognition([own]).match(listed(keys, foreign, "robot_0")) is own
 
 
 def test_no_match_without_a_transform_or_far_away() -> None:
     own, foreign, keys = shifted_listing(10, 1.0, 0.0)
     foreign.set_transform("robot_1", None)
-    assert match([own], listed(keys, foreign, "robot_0")) is None
+    assert Recognition([own]).match(listed(keys, foreign, "robot_0")) is None
     own, foreign, keys = shifted_listing(10, 1.0, 0.0)
     foreign.set_transform("robot_1", np.array([[1.0, 0, -27.0], [0, 1.0, 0]]))
-    assert match([own], listed(keys, foreign, "robot_0")) is None
+    assert Recognition([own]).match(listed(keys, foreign, "robot_0")) is None
 
 
 def test_own_elements_match_by_key() -> None:
     own = Cluster(1, tuple(frontiers((0, 0), (0.5, 0), (1, 0))))
     foreign = ForeignFrontiers()
-    assert match([own], listed([("robot_0", 0), ("robot_0", 2)], foreign, "robot_0")) is own
-    assert match([own], listed([("robot_0", 0)], foreign, "robot_0")) is None
-    assert match([own], listed([("robot_5", 0), ("robot_5", 1)], foreign, "robot_0")) is None
+    assert Recognition([own]).match(listed([("robot_0", 0), ("robot_0", 2)], foreign, "robot_0")) is own
+    assert Recognition([own]).match(listed([("robot_0", 0)], foreign, "robot_0")) is None
+    assert Recognition([own]).match(listed([("robot_5", 0), ("robot_5", 1)], foreign, "robot_0")) is None
 
 
 def test_the_better_match_wins() -> None:
     near, far = Cluster(1, tuple(frontiers((0, 0), (0.5, 0)))), Cluster(2, tuple(frontiers((5, 0), (5.5, 0), first=5)))
     keys = [("robot_0", 0), ("robot_0", 5), ("robot_0", 6)]
-    assert match([near, far], listed(keys, ForeignFrontiers(), "robot_0")) is far
+    assert Recognition([near, far]).match(listed(keys, ForeignFrontiers(), "robot_0")) is far

@@ -6,7 +6,7 @@ from explorer.auction import OpenAuction, reply_message
 from explorer.clusters import Cluster
 from explorer.foreign import ForeignFrontiers
 from explorer.messages import Auction, Bid, Emit, SendAuction
-from explorer.recognition import listed, match
+from explorer.recognition import Recognition, listed
 from explorer.team import Team
 
 MAXIMUM_BIDS = 500  # of one message that are read
@@ -94,9 +94,9 @@ class Auctions:
         foreign: ForeignFrontiers,
     ) -> None:
         """A bid for each cluster on offer that is one of the own ones (40 % rule), -1 for the others."""
-        available = []
+        available, recognition = [], Recognition(candidates)
         for bid in auction.requested[:MAXIMUM_BIDS]:
-            cluster = match(candidates, listed(bid.elements, foreign, self._name))
+            cluster = recognition.match(listed(bid.elements, foreign, self._name))
             available.append(Bid(bid.elements, -1.0 if cluster is None else bid_for(cluster)))
         self._emit(SendAuction(reply_message(self._name, auction.auction_id, available, self._unit)))
 

@@ -9,7 +9,7 @@ from explorer.claim import OwnClaim
 from explorer.clusters import Cluster
 from explorer.driver import Driver
 from explorer.messages import Emit, SendAuction
-from explorer.recognition import match
+from explorer.recognition import Recognition
 from explorer.scene import Scene
 from explorer.selection import Selection
 from explorer.sharing import SHARE_PERIOD, Sharing
@@ -83,7 +83,7 @@ class AuctionedSelection(Selection):
         claim = self._team.claims(scene.now).get(robot)
         if claim is None or own is None:
             return
-        meant = match(scene.clusters, scene.claims[robot])
+        meant = Recognition(scene.clusters).match(scene.claims[robot])
         if meant is None or meant.number != own.number:
             return
         mine = self._own_bid(own, scene)

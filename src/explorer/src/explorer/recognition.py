@@ -25,23 +25,40 @@ class Listed:
     own: FrozenSet[int]
     places: np.ndarray
 
-    def shares_of(self, clusters: Sequence[Cluster]) -> List[float]:
+    def share_of(self, cluster: Cluster) -> float:
+        return Recognition([cluster]).shares(self)[0]
+
+
+class Recognition:
+    """Of these clusters, the own ones, in what other robots list."""
+
+    def __init__(self, clusters: Sequence[Cluster]) -> None:
+        self._clusters = clusters
+        self._points = np.concatenate([np.empty((0, 2)), *(cluster.points for cluster in clusters)])
+        self._sizes = [len(cluster.members) for cluster in clusters]
+        self._until = np.cumsum([0, *self._sizes])
+
+    def shares(self, elements: Listed) -> List[float]:
         """For each cluster the share of its members that are listed: by their own key, or by a listed point of another
         robot within `MATCHING_DISTANCE`."""
-        if not clusters:
-            return []
-        points = np.concatenate([cluster.points for cluster in clusters])
-        found = near_any(points, self.places, MATCHING_DISTANCE)
-        if self.own:
-            numbers = (member.number for cluster in clusters for member in cluster.members)
-            found |= np.fromiter((number in self.own for number in numbers), dtype=bool, count=len(points))
-        sizes = [len(cluster.members) for cluster in clusters]
-        until = np.cumsum([0, *sizes])
-        counts = np.diff(np.concatenate([[0], np.cumsum(found)])[until])
-        return [count / size if size else 0.0 for count, size in zip(counts.tolist(), sizes)]
+        found = near_any(self._points, elements.places, MATCHING_DISTANCE)
+        if elements.own:
+            numbers = (member.number for cluster in self._clusters for member in cluster.members)
+            found |= np.fromiter((number in elements.own for number in numbers), dtype=bool, count=len(found))
+        elif not found.any():
+            return [0.0] * len(self._sizes)
+        counts = np.diff(np.concatenate([[0], np.cumsum(found)])[self._until])
+        return [count / size if size else 0.0 for count, size in zip(counts.tolist(), self._sizes)]
 
-    def share_of(self, cluster: Cluster) -> float:
-        return self.shares_of([cluster])[0]
+    def match(self, elements: Listed) -> Optional[Cluster]:
+        """The cluster that is meant: the one with the largest share listed, if that is above `MATCHING_SHARE`; None if
+        there is none."""
+        best: Optional[Cluster] = None
+        best_share = MATCHING_SHARE
+        for cluster, share in zip(self._clusters, self.shares(elements)):
+            if share > best_share:
+                best, best_share = cluster, share
+        return best
 
 
 def listed(keys: Sequence[Key], foreign: ForeignFrontiers, own_name: str) -> Listed:
@@ -49,14 +66,3 @@ def listed(keys: Sequence[Key], foreign: ForeignFrontiers, own_name: str) -> Lis
     places = foreign.in_own_frame([key for key in keys if key[0] != own_name])
     own = frozenset(number for robot, number in keys if robot == own_name)
     return Listed(own, np.array(places, dtype=float).reshape(-1, 2))
-
-
-def match(clusters: Sequence[Cluster], elements: Listed) -> Optional[Cluster]:
-    """The own cluster that is meant: the one with the largest share listed, if that is above `MATCHING_SHARE`; None if
-    there is none."""
-    best: Optional[Cluster] = None
-    best_share = MATCHING_SHARE
-    for cluster, share in zip(clusters, elements.shares_of(clusters)):
-        if share > best_share:
-            best, best_share = cluster, share
-    return best

@@ -7,7 +7,7 @@ from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
 from explorer.clusters import Cluster, View
 from explorer.frontiers import Frontier
 from explorer.geometry import Position
-from explorer.recognition import Listed, match
+from explorer.recognition import Listed, Recognition
 from explorer.ways import Ways
 from mr_grid import Pose
 
@@ -74,8 +74,9 @@ class Scene:
     def claimed(self) -> Dict[int, str]:
         """{cluster number: robot} of the open clusters that other robots have claimed."""
         result: Dict[int, str] = {}
+        recognition = Recognition(self.open)
         for robot, claim in self.claims.items():
-            cluster = match(self.open, claim)
+            cluster = recognition.match(claim)
             if cluster is not None:
                 result.setdefault(cluster.number, robot)
         return result
