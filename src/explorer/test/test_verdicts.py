@@ -1,8 +1,10 @@
 """Verdicts on frontier points: visited, given up, revived, and what other robots tell."""
 
-from typing import List, Optional
+from typing import Callable, Dict, List, Optional, Tuple
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from explorer.frontiers import Frontier
 from explorer.verdicts import Verdict, Verdicts
@@ -145,6 +147,31 @@ def test_failures_of_a_cluster_end_with_it() -> None:
     verdicts.follow_clusters([])
     verdicts.fail_cluster(1, [7], limit=2, known_near=cells_near(0))
     assert verdicts.is_goal(7)
+
+
+CHANGES: Dict[str, Callable[[Verdicts, int, float], object]] = {
+    "look": lambda verdicts, number, now: verdicts.look(number, lambda _: False, area_near(1.0), now),
+    "judge": lambda verdicts, number, now: verdicts.judge_looked(now, cells_near(9), area_near(1.0)),
+    "fail": lambda verdicts, number, now: verdicts.fail(number, (), bool(number), cells_near(9), now),
+    "fail cluster": lambda verdicts, number, now: verdicts.fail_cluster(1, [number], 2, cells_near(9)),
+    "revive": lambda verdicts, number, now: verdicts.revive_changed(cells_near(99)),
+    "revive once": lambda verdicts, number, now: verdicts.revive_once(),
+    "nothing": lambda verdicts, number, now: None,
+}
+
+
+@given(st.lists(st.tuples(st.sampled_from(sorted(CHANGES)), st.integers(0, 2), st.floats(0.0, 6.0)), max_size=30))
+def test_what_is_ready_holds_until_a_verdict_or_the_time_changes_it(changes: List[Tuple[str, int, float]]) -> None:
+    verdicts, now = known(*(Frontier(number, float(number), 0.0) for number in range(3))), 0.0
+    ready = verdicts.ready(range(3), now)
+    for change, number, pause in changes:
+        now += pause
+        CHANGES[change](verdicts, number, now)
+        anew = verdicts.ready(range(3), now)
+        if ready.holds(verdicts, now):
+            assert ready.numbers == anew.numbers
+        assert anew.numbers == {number for number in range(3) if verdicts.of(number).ready_at <= now}
+        ready = anew if number else ready
 
 
 def test_what_others_tell_is_believed_for_a_while_and_bounded() -> None:

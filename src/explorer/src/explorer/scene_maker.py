@@ -1,6 +1,6 @@
 """Puts together what the robot knows now."""
 
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, FrozenSet, Optional, Tuple
 
 from explorer.claim import OwnClaim
 from explorer.clusters import Cluster
@@ -10,7 +10,7 @@ from explorer.recognition import Listed, listed
 from explorer.scene import Scene
 from explorer.senses import Senses
 from explorer.team import Claim, Team
-from explorer.verdicts import Verdicts
+from explorer.verdicts import Ready, Verdicts
 
 
 class SceneMaker:
@@ -31,7 +31,7 @@ class SceneMaker:
         self._known: Tuple[int, Dict[str, Claim]] = (-1, {})
         self._listed: Dict[str, Listed] = {}
         self._clusters: Tuple[Cluster, ...] = ()
-        self._seen: List[int] = []
+        self._ready: Optional[Ready] = None
         self._scene: Optional[Scene] = None
 
     def scene(self, now: float) -> Scene:
@@ -42,7 +42,7 @@ class SceneMaker:
             pose=self._senses.pose,
             ways=self._perception.ways,
             clusters=clusters,
-            ready=frozenset(self._verdicts.ready(self._seen_in(clusters), now)),
+            ready=self._ready_in(clusters, now),
             awaits_map=self._verdicts.awaits_map(now),
             own=self._claim.number,
             positions=self._team.positions(now),
@@ -57,12 +57,13 @@ class SceneMaker:
         self._scene = scene
         return scene
 
-    def _seen_in(self, clusters: Tuple[Cluster, ...]) -> List[int]:
-        """Numbers of the points in sight of a reachable place."""
-        if self._clusters is not clusters:
+    def _ready_in(self, clusters: Tuple[Cluster, ...], now: float) -> FrozenSet[int]:
+        """Numbers of the points in sight of a reachable place that can be tried."""
+        if self._ready is None or self._clusters is not clusters or not self._ready.holds(self._verdicts, now):
             self._clusters = clusters
-            self._seen = [number for cluster in clusters for number in cluster.views]
-        return self._seen
+            numbers = (number for cluster in clusters for number in cluster.views)
+            self._ready = self._verdicts.ready(numbers, now)
+        return self._ready.numbers
 
     def _placed(self, claims: Dict[str, Claim]) -> Dict[str, Listed]:
         """The claims as this robot sees them; computed anew when they or the points of other robots have changed."""

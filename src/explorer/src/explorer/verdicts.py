@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -86,18 +86,33 @@ class Told(NamedTuple):
     robot: str
 
 
+class Ready(NamedTuple):
+    """Numbers of points that can be tried, from one time in seconds until another, as long as no verdict changes:
+    `changes` as in `Verdicts`."""
+
+    numbers: FrozenSet[int]
+    since: float
+    until: float
+    changes: int
+
+    def holds(self, verdicts: "Verdicts", now: float) -> bool:
+        return self.changes == verdicts.changes and self.since <= now < self.until
+
+
 class Verdicts:
     """Owner of all verdicts of one mission. A point keeps its verdict under its number while it is on the map, and by
-    its place afterwards. `heard`: what other robots have decided. `revision` counts the changes of `decided`."""
+    its place afterwards. `heard`: what other robots have decided. `revision` counts the changes of `decided`, `changes`
+    those of any verdict."""
 
     def __init__(self) -> None:
         self._of: Dict[int, Verdict] = {}
         self._spots: Places[Verdict] = Places(MAXIMUM_SPOTS, THINNING_DISTANCE)
         self._told: List[Told] = []
+        self._told_places: Optional[Tuple[np.ndarray, List[str]]] = None  # of these, made when they are asked for
         self._cluster_failures: Dict[int, int] = {}
         self._looked_at = -math.inf  # s, the last look
         self.heard = Heard()
-        self.revision = 0
+        self.revision = self.changes = 0
 
     def of(self, number: int) -> Verdict:
         """Of a point that is on the map."""
@@ -106,10 +121,12 @@ class Verdicts:
     def is_goal(self, number: int) -> bool:
         return self._of[number].is_goal
 
-    def ready(self, numbers: Iterable[int], now: float) -> List[int]:
+    def ready(self, numbers: Iterable[int], now: float) -> "Ready":
         """Those of these points that can be tried now."""
         of = self._of
-        return [number for number in numbers if of[number].ready_at <= now]
+        times = [(of[number].ready_at, number) for number in numbers]
+        until = min((time for time, _ in times if time > now), default=math.inf)
+        return Ready(frozenset(number for time, number in times if time <= now), now, until, self.changes)
 
     def awaits_map(self, now: float) -> bool:
         """True while the map does not show yet what a look has seen."""
@@ -120,6 +137,7 @@ class Verdicts:
 
     def follow(self, new: Sequence[Frontier], gone: Sequence[Frontier]) -> None:
         """Takes the points that a new map shows, and those that it no longer does."""
+        self.changes += 1
         for frontier in gone:
             verdict = self._of.pop(frontier.number)
             if not verdict.is_goal or verdict.revivals:
@@ -143,9 +161,8 @@ class Verdicts:
                 continue
             if number == target or sees(verdict):
                 self._looked_at, area = now, known_area(verdict.x, verdict.y)
-                self._of[number] = replace(
-                    verdict, looks=verdict.looks + 1, looked_at=now, aimed=number == target, area=area
-                )
+                looks = verdict.looks + 1
+                self._put(number, replace(verdict, looks=looks, looked_at=now, aimed=number == target, area=area))
 
     def judge_looked(self, shown: float, known_near: KnownNear, known_area: KnownArea) -> bool:
         """`shown`: time in seconds up to which the map shows what the robot has seen. Looks before it end; a frontier
@@ -154,10 +171,11 @@ class Verdicts:
         judged = False
         for number, verdict in self._of.items():
             if -math.inf < verdict.looked_at < shown:
-                verdict = self._of[number] = replace(verdict, looked_at=-math.inf)
+                verdict = replace(verdict, looked_at=-math.inf)
+                self._put(number, verdict)
                 in_vain = verdict.aimed and known_area(verdict.x, verdict.y) - verdict.area <= NEW_AREA
                 if (in_vain or verdict.looks >= LOOKS) and not verdict.visited:
-                    self._of[number] = replace(verdict, visited=True, known=known_near(verdict.x, verdict.y))
+                    self._put(number, replace(verdict, visited=True, known=known_near(verdict.x, verdict.y)))
                     judged = True
         self.revision += judged
         return judged
@@ -178,14 +196,14 @@ class Verdicts:
                 if verdict.failures >= FAILURES:
                     verdict = _given_up(verdict, known_near)
                     self.revision += 1
-            self._of[other] = verdict
+            self._put(other, verdict)
 
     def fail_cluster(self, cluster: int, members: Iterable[int], limit: int, known_near: KnownNear) -> None:
         """A goal in a cluster failed; all its points are given up with the last of `limit` failures."""
         self._cluster_failures[cluster] = self._cluster_failures.get(cluster, 0) + 1
         if self._cluster_failures[cluster] >= limit:
             for number in members:
-                self._of[number] = _given_up(self._of[number], known_near)
+                self._put(number, _given_up(self._of[number], known_near))
             self.revision += 1
 
     def revive_changed(self, known_near: KnownNear) -> None:
@@ -194,7 +212,7 @@ class Verdicts:
             if verdict.given_up and verdict.known is not None and verdict.revivals < REVIVALS:
                 known = known_near(verdict.x, verdict.y)
                 if abs(known - verdict.known) > CHANGED_CELLS:
-                    self._of[number] = _revived(verdict, failures=0)
+                    self._put(number, _revived(verdict, failures=0))
                     self.revision += 1
 
     def revive_once(self) -> bool:
@@ -202,7 +220,7 @@ class Verdicts:
         again = False
         for number, verdict in self._of.items():
             if verdict.given_up and verdict.known is not None and verdict.revivals < 1:
-                self._of[number] = _revived(verdict, failures=1)
+                self._put(number, _revived(verdict, failures=1))
                 again = True
         self.revision += again
         return again
@@ -222,17 +240,26 @@ class Verdicts:
         self._told.append(Told(x, y, now + TOLD_TIME, robot))
         if len(self._told) > MAXIMUM_TOLD:
             del self._told[0]
+        self._told_places = None
 
     def told_expired(self, now: float) -> bool:
         """True if what was told is no longer believed since it was last asked for."""
-        return any(told.until <= now for told in self._told)
+        # The first that were told end first.
+        return bool(self._told) and self._told[0].until <= now
 
     def told_places(self, now: float) -> Tuple[np.ndarray, List[str]]:
         """(n, 2) array in metres of the places that others have explored and the map need not show yet, and by whom."""
-        self._told = [told for told in self._told if told.until > now]
-        # Column by column: an array of a thousand pairs takes several times as long.
-        places = np.array([[told.x for told in self._told], [told.y for told in self._told]], dtype=float).T
-        return places, [told.robot for told in self._told]
+        if self.told_expired(now):
+            self._told, self._told_places = [told for told in self._told if told.until > now], None
+        if self._told_places is None:
+            # Column by column: an array of a thousand pairs takes several times as long.
+            places = np.array([[told.x for told in self._told], [told.y for told in self._told]], dtype=float).T
+            self._told_places = np.ascontiguousarray(places), [told.robot for told in self._told]
+        return self._told_places
+
+    def _put(self, number: int, verdict: Verdict) -> None:
+        self._of[number] = verdict
+        self.changes += 1
 
 
 def _given_up(verdict: Verdict, known_near: KnownNear) -> Verdict:
