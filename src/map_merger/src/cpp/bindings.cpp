@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "fusion_bindings.hpp"
 #include "graph_bindings.hpp"
 #include "refinement.hpp"
+#include "require.hpp"
 #include "surface_index.hpp"
 #include "walls.hpp"
 #include "weighing.hpp"
@@ -30,10 +30,6 @@ namespace {
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Flags = py::array_t<bool, py::array::c_style>;
 using PoseTuple = std::tuple<double, double, double>;
-
-void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 Pose to_pose(const PoseTuple& pose) { return {std::get<0>(pose), std::get<1>(pose), std::get<2>(pose)}; }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "cell_values.hpp"
+
 namespace map_merger {
 namespace {
-
-constexpr std::int8_t kUnknown = -1;
 
 std::uint64_t eight(const std::int8_t* cells) {
   std::uint64_t word;

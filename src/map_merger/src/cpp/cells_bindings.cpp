@@ -4,11 +4,11 @@
 #include <pybind11/stl.h>
 
 #include <optional>
-#include <stdexcept>
 #include <tuple>
 #include <vector>
 
 #include "cells.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 
@@ -21,10 +21,6 @@ using Flags = py::array_t<bool, py::array::c_style | py::array::forcecast>;
 using Written = py::array_t<std::int8_t, py::array::c_style>;
 using Stamps = py::array_t<std::int32_t, py::array::c_style>;
 using Four = std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t>;
-
-void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 Four to_four(const Window& window) { return {window.top, window.left, window.bottom, window.right}; }
 

@@ -3,11 +3,12 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "cell_values.hpp"
+
 namespace map_merger {
 
 namespace {
 
-constexpr std::int8_t kUnknown = -1, kOccupied = 100, kOccupiedFrom = 50;
 // In cells. What lies on the border between two cells falls to the same one whatever rounding does.
 constexpr double kTie = 1e-6;
 

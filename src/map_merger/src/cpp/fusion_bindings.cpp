@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "cell_values.hpp"
 #include "ghosts.hpp"
+#include "require.hpp"
 #include "weighing.hpp"
 
 namespace py = pybind11;
@@ -18,21 +19,15 @@ namespace py = pybind11;
 namespace map_merger {
 namespace {
 
-using Cells = py::array_t<std::int8_t, py::array::c_style>;
+using MapCells = py::array_t<std::int8_t, py::array::c_style>;
 using Places = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
-using Four = std::array<std::int64_t, 4>;
+using Corners = std::array<std::int64_t, 4>;
 
-constexpr std::int8_t kUnknown = -1, kFree = 0, kOccupied = 100;
+Known to_known(const MapCells& cells) { return known_of(cells.data(), cells.shape(0), cells.shape(1)); }
 
-void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
-
-Known to_known(const Cells& cells) { return known_of(cells.data(), cells.shape(0), cells.shape(1)); }
-
-std::vector<Known> to_known(const std::vector<Cells>& maps) {
+std::vector<Known> to_known(const std::vector<MapCells>& maps) {
   std::vector<Known> known;
-  for (const Cells& cells : maps) {
+  for (const MapCells& cells : maps) {
     require(cells.ndim() == 2, "cells need the shape (rows, columns)");
     require(cells.shape(0) == maps[0].shape(0) && cells.shape(1) == maps[0].shape(1), "maps are of one shape");
     known.push_back(to_known(cells));
@@ -40,24 +35,25 @@ std::vector<Known> to_known(const std::vector<Cells>& maps) {
   return known;
 }
 
-void fill(Cells& cells, const Mask& mask, std::int8_t value) {
+void fill(MapCells& cells, const Mask& mask, std::int8_t value) {
   std::int8_t* first = cells.mutable_data();
   const std::int64_t columns = mask.columns();
   for_each(mask, [&](std::int64_t row, std::int64_t column) { first[row * columns + column] = value; });
 }
 
-Cells copy_of(const Cells& cells) {
-  Cells copy({cells.shape(0), cells.shape(1)});
+MapCells copy_of(const MapCells& cells) {
+  MapCells copy({cells.shape(0), cells.shape(1)});
   std::copy_n(cells.data(), cells.size(), copy.mutable_data());
   return copy;
 }
 
-Cells weighed_cells(const std::vector<Cells>& maps, bool locked, std::int64_t same_wall, std::int64_t seen_through) {
+MapCells weighed_cells(const std::vector<MapCells>& maps, bool locked, std::int64_t same_wall,
+                       std::int64_t seen_through) {
   require(!maps.empty(), "there is a map at least");
   require(same_wall >= 1 && same_wall < 64 && seen_through >= 1 && seen_through < 64, "tolerances are 1 to 63 cells");
   const std::vector<Known> known = to_known(maps);
   Known result = weighed(known, locked, {same_wall, seen_through});
-  Cells cells = copy_of(maps.front());
+  MapCells cells = copy_of(maps.front());
   if (locked) {
     result.wall.remove(known.front().wall);
     result.floor.remove(known.front().floor);
@@ -76,9 +72,9 @@ std::vector<Place> to_places(const Places& places) {
   return result;
 }
 
-std::vector<std::optional<Cells>> without_ghosts(const std::vector<Cells>& maps,
-                                                 const std::vector<std::pair<int, Places>>& tracks, const Four& box,
-                                                 const GhostRules& rules) {
+std::vector<std::optional<MapCells>> without_ghosts(const std::vector<MapCells>& maps,
+                                                    const std::vector<std::pair<int, Places>>& tracks,
+                                                    const Corners& box, const GhostRules& rules) {
   const std::vector<Known> known = to_known(maps);
   const Window window{box[0], box[1], box[2], box[3]};
   std::vector<Robot> robots;
@@ -88,7 +84,7 @@ std::vector<std::optional<Cells>> without_ghosts(const std::vector<Cells>& maps,
     if (map >= 0) robot.map = static_cast<std::size_t>(map);
     if (robot.presence.near.any()) robots.push_back(std::move(robot));
   }
-  std::vector<std::optional<Cells>> cleaned(maps.size());
+  std::vector<std::optional<MapCells>> cleaned(maps.size());
   if (robots.empty()) return cleaned;
   const std::vector<Mask> ghosts = ghosts_of(known, robots, rules);
   for (std::size_t i = 0; i < maps.size(); ++i) {
@@ -99,7 +95,7 @@ std::vector<std::optional<Cells>> without_ghosts(const std::vector<Cells>& maps,
   return cleaned;
 }
 
-bool may_be_ghost(const Cells& cells, const Places& places, const Four& box, const GhostRules& rules) {
+bool may_be_ghost(const MapCells& cells, const Places& places, const Corners& box, const GhostRules& rules) {
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
   const Window window{box[0], box[1], box[2], box[3]};
   require(cells.shape(0) == window.bottom - window.top && cells.shape(1) == window.right - window.left,

@@ -3,10 +3,10 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <stdexcept>
 #include <vector>
 
 #include "pose_graph.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 
@@ -17,10 +17,6 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Numbers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 using Flags = py::array_t<bool, py::array::c_style | py::array::forcecast>;
 using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 std::vector<Link> to_links(const Numbers& first, const Numbers& second, const Doubles& mean, const Doubles& covariance,
                            py::ssize_t nodes) {

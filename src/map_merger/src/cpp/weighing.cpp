@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cell_values.hpp"
+
 namespace map_merger {
 namespace {
 

@@ -13,8 +13,7 @@ struct Known {
   Mask wall, floor;
 };
 
-// Cells of at least this value are obstacles, those from 0 on are free; row by row.
-constexpr std::int8_t kOccupiedFrom = 50;
+// Of cells row by row.
 Known known_of(const std::int8_t* cells, std::int64_t rows, std::int64_t columns);
 
 // Cells up to which two maps of one wall lie apart, and cells around a wall in which floor refutes it.
