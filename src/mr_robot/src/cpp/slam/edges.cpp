@@ -9,7 +9,7 @@ namespace mr_robot::slam {
 namespace {
 
 constexpr double kJump = 0.35;           // m farther away is what comes into sight
-constexpr double kBehind = 0.1;          // m behind the line of the surface, at least
+constexpr double kBehindLine = 0.1;      // m behind the line of the surface, at least
 constexpr double kLongest = 0.4;         // m of the surface before its end that tell its line
 constexpr std::size_t kLeastHits = 8;    // on it
 constexpr double kStraight = 0.04;       // m off it at most
@@ -20,7 +20,7 @@ constexpr double kShallowest = 0.05;     // m on, on which there are
 constexpr std::size_t kLeastOnFace = 2;  // hits, off it by no more than
 constexpr double kUpright = 0.06;        // m
 constexpr double kOfHit = 0.03;          // m, deviation of each
-constexpr double kNoise = 0.01;          // m
+constexpr double kEdgeNoise = 0.01;      // m
 constexpr double kSameInPlace = 0.1;     // m within which edges seen from nearly one place are one
 constexpr double kThickest = 0.3;        // m of a wall
 constexpr double kSameWay = 0.8;         // cosine
@@ -114,7 +114,7 @@ std::optional<Edge> edge_of(const std::vector<Point>& chain, std::size_t first, 
   const double range = length_of(passing.ray), incidence = -dot(normal, passing.ray) / range;
   const double spacing = range * passing.angle / std::max(incidence, 1e-3);
   if (incidence < kLeastIncidence || spacing > kWidestGap) return std::nullopt;
-  if (-dot(normal, passing.beyond - line->through) < kBehind) return std::nullopt;
+  if (-dot(normal, passing.beyond - line->through) < kBehindLine) return std::nullopt;
   double end = dot(line->along, chain[first] - line->through) + 0.5 * spacing, deviation = 0.5 * spacing;
   if (first > 0) {
     const auto face = face_of(*line, normal, chain, first);
@@ -123,7 +123,7 @@ std::optional<Edge> edge_of(const std::vector<Point>& chain, std::size_t first, 
     deviation = kOfHit / std::sqrt(static_cast<double>(first));
   }
   const Point place{line->through.x + end * line->along.x, line->through.y + end * line->along.y};
-  return Edge{place, line->along, normal, length_of(deviation, kNoise)};
+  return Edge{place, line->along, normal, length_of(deviation, kEdgeNoise)};
 }
 
 // Where the surface seen by the beam ends because the beam beside it, `next`, passes it by. Of a wall seen from beyond

@@ -10,11 +10,11 @@ namespace {
 constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 3;              // keyframes
-constexpr int kIterations = 8;              // of a solution, one with each scan that comes
+constexpr int kSolutionSteps = 8;           // of a solution, one with each scan that comes
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
 constexpr double kLately = 3.0;             // m of way that are compared with what was drawn long ago
 constexpr long kMostAround = 40;            // keyframes, and
-constexpr double kAround = 10.0;            // m from here, that say what was drawn long ago
+constexpr double kNearHere = 10.0;          // m from here, that say what was drawn long ago
 constexpr double kLoopWay = 15.0;           // m since what was drawn long ago
 constexpr Pose kLoopWindow{1.0, 1.0, 0.1};  // m and rad at most, within which a loop is closed
 constexpr double kLeastWindow = 0.3;        // m
@@ -196,7 +196,7 @@ GridMap Memory::drawn_around(const Pose& pose) const {
   std::vector<std::pair<double, int>> nearest;
   for (int i = 0; i <= long_ago_; ++i) {
     const double away = distance(keyframes_[i].drawn, pose);
-    if (away <= kAround) nearest.emplace_back(away, i);
+    if (away <= kNearHere) nearest.emplace_back(away, i);
   }
   const auto end = nearest.begin() + std::min<long>(kMostAround, static_cast<long>(nearest.size()));
   std::partial_sort(nearest.begin(), end, nearest.end());
@@ -236,7 +236,7 @@ void Memory::begin_solving(const OdometryModel& model) {
   graph_.match_edges();
   graph_.begin();
   solved_ = keyframes_.size();
-  iterations_ = kIterations;
+  iterations_ = kSolutionSteps;
 }
 
 void Memory::solve() {

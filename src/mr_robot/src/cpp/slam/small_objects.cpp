@@ -6,10 +6,10 @@
 namespace mr_robot::slam {
 namespace {
 
-constexpr double kStep = 0.25;      // m in range from one beam to the next, at which a surface ends,
-constexpr double kNoise = 0.08;     // m, or at less, by so much more than
+constexpr double kEndStep = 0.25;   // m in range from one beam to the next, at which a surface ends,
+constexpr double kEndNoise = 0.08;  // m, or at less, by so much more than
 constexpr double kGrazing = 5.67;   // cotangent of 10 degrees: on a surface that is seen at this angle
-constexpr double kTouching = 0.36;  // of the size of a small object, from the robot's centre: what is nearer touches it
+constexpr double kTouches = 0.36;   // of the size of a small object, from the robot's centre: what is nearer touches it
 
 // Beams in a row without a step in range between them; of a laser that sees all around, the last ones of the scan may
 // go on with its first ones.
@@ -25,10 +25,10 @@ double range_of(const Scan& scan, const Beam& beam) {
 // A breakpoint after Borges and Aldon (2004): close beams tell a gap from a surface that is seen from its side.
 bool ends_between(const Scan& scan, const Beam& a, const Beam& b) {
   const double range = range_of(scan, a), next = range_of(scan, b), step = std::abs(range - next);
-  if (step > kStep || !a.hit || !b.hit) return step > kStep;
+  if (step > kEndStep || !a.hit || !b.hit) return step > kEndStep;
   const Point to_a{a.end.x - scan.eye.x, a.end.y - scan.eye.y}, to_b{b.end.x - scan.eye.x, b.end.y - scan.eye.y};
   const double across = std::abs(to_a.x * to_b.y - to_a.y * to_b.x) / std::max(range, next);
-  return step > kNoise + kGrazing * across;
+  return step > kEndNoise + kGrazing * across;
 }
 
 void join_ends(const Scan& scan, std::vector<Segment>* segments) {
@@ -86,7 +86,7 @@ bool is_small(const Scan& scan, const Segment& segment, double size) {
 bool touches(const Scan& scan, const Segment& segment, double size) {
   for (std::size_t i = segment.first; i <= segment.last; ++i) {
     const Point& end = beam_at(scan.beams, i).end;
-    if (length_of(end.x, end.y) < kTouching * size) return true;
+    if (length_of(end.x, end.y) < kTouches * size) return true;
   }
   return false;
 }

@@ -7,12 +7,12 @@ constexpr double kLeastWay = 0.08;    // m by odometry from which scans tell mot
 constexpr double kLeastAngle = 0.07;  // rad
 constexpr double kTolerance = 0.03;   // m between equal readings, plus
 constexpr double kShare = 0.02;       // of the range
-constexpr int kLeastBeams = 20;       // that are compared
+constexpr int kLeastCompared = 20;    // that are compared
 constexpr double kSame = 0.55;        // of them that see what they saw, where the robot stands among others that move,
 constexpr double kClearly = 0.25;     // and so many more than see what they would if it had moved
 constexpr double kSeen = 0.1;         // so many more of them see that it moved
-constexpr double kTouching = 0.5;     // m, what is nearer may touch, and
-constexpr double kStep = 0.25;        // m nearer than what it hides
+constexpr double kMayTouch = 0.5;     // m, what is nearer may touch, and
+constexpr double kHides = 0.25;       // m nearer than what it hides
 constexpr double kMostWay = 0.5;      // m, and
 constexpr double kMostAngle = 0.6;    // rad by odometry that are waited for a verdict
 
@@ -69,7 +69,7 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
   // What comes into the view, and may touch, hides what would be seen. It may be nearer than what counts as a reading.
   const auto hidden = [&](long reading, double range) {
     const float now = ranges[reading];
-    return small[reading] || (now > 0.0F && now < kTouching && now < range - kStep);
+    return small[reading] || (now > 0.0F && now < kMayTouch && now < range - kHides);
   };
   int compared = 0, same = 0, moved = 0;
   for (const Beam& beam : beams_) {
@@ -89,7 +89,7 @@ Standing::Verdict Standing::judge(const float* ranges, std::size_t size, const L
     same += is_hit(now, geometry) && equal(now, then);
     moved += sees(ranges, size, geometry, at, expected);
   }
-  if (compared >= kLeastBeams && same >= kSame * compared && same - moved >= kClearly * compared) {
+  if (compared >= kLeastCompared && same >= kSame * compared && same - moved >= kClearly * compared) {
     odometry_ = odometry;
     return Verdict::kStands;
   }
