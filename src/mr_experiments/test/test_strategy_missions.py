@@ -30,9 +30,11 @@ def test_team_sizes(robots):
 
 
 @pytest.mark.parametrize("strategy", [1, 7])
-@pytest.mark.parametrize("radio", [RadioOptions(loss=0.3), RadioOptions(range=0.1)], ids=["loss", "out of range"])
-def test_lost_late_and_reordered_messages(strategy, radio):
-    assert_complete(Trial("small8x8", 3, 1, strategy=strategy, limit=600.0, radio=radio))
+@pytest.mark.parametrize(
+    ("robots", "radio"), [(3, RadioOptions(loss=0.3)), (2, RadioOptions(range=0.1))], ids=["loss", "out of range"]
+)
+def test_lost_late_and_reordered_messages(strategy, robots, radio):
+    assert_complete(Trial("small8x8", robots, 1, strategy=strategy, limit=600.0, radio=radio))
 
 
 @pytest.mark.parametrize("strategy", [1, 5, 7])
