@@ -5,7 +5,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
@@ -174,17 +173,15 @@ py::array_t<std::int8_t> values_at(const Array<std::int8_t>& cells, double resol
                                    const Array<double>& points, std::int8_t outside) {
   require(cells.ndim() == 2, "cells of shape (rows, columns) are needed");
   require(points.ndim() == 2 && points.shape(1) == 2, "points of shape (n, 2) are needed");
-  const std::int64_t rows = cells.shape(0), columns = cells.shape(1);
+  const std::int64_t columns = cells.shape(1);
+  const double width = static_cast<double>(columns), height = static_cast<double>(cells.shape(0));
   py::array_t<std::int8_t> values(points.shape(0));
   std::int8_t* value = values.mutable_data();
   const double* point = points.data();
   for (const double* end = point + points.size(); point != end; point += 2, ++value) {
-    const double column = std::floor((point[0] - origin.first) / resolution);
-    const double row = std::floor((point[1] - origin.second) / resolution);
-    const bool inside =
-        row >= 0.0 && row < static_cast<double>(rows) && column >= 0.0 && column < static_cast<double>(columns);
-    *value =
-        inside ? cells.data()[static_cast<std::int64_t>(row) * columns + static_cast<std::int64_t>(column)] : outside;
+    const double x = (point[0] - origin.first) / resolution, y = (point[1] - origin.second) / resolution;
+    const bool inside = x >= 0.0 && x < width && y >= 0.0 && y < height;
+    *value = inside ? cells.data()[static_cast<std::int64_t>(y) * columns + static_cast<std::int64_t>(x)] : outside;
   }
   return values;
 }
