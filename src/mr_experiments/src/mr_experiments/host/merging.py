@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections import deque
 from io import BytesIO
 from typing import Callable, Protocol
@@ -15,6 +16,7 @@ from map_merger.effects import AskNeighbors, Effect, Note, PublishMap, PublishPo
 from map_merger.job import outcome_of
 from map_merger.messages import Boot, Tile
 from map_merger.options import Options
+from map_merger.payload import Payload
 from map_merger.view import NoTransform
 from map_merger.whereabouts import POSE_PERIOD_S
 from mr_experiments.common.stopwatch import Stopwatch
@@ -26,6 +28,12 @@ from mr_robot.slam.engine import LaserScan
 TICK = 0.2  # s
 SCAN_PERIOD = 0.2  # s
 REGISTRATION_TIME = 0.3  # s that a registration takes on a robot
+
+
+# What one robot sends reaches all others, and nobody changes it: it is read once.
+@functools.lru_cache(maxsize=64)
+def _value(kind: ros_radio.Incoming, octets: bytes) -> Payload:
+    return kind.value_of(kind.kind().deserialize(octets))
 
 
 class MergerListener(Protocol):
@@ -135,10 +143,12 @@ class Merger:
         kind = self._incoming.get(topic)
         if kind is None:
             return False
-        with self._stopwatch.span("messages"):
-            message = kind.kind().deserialize(octets)
-        self.do(lambda now: take(self.agent, kind.value_of(message), now))
+        self.do(lambda now: take(self.agent, self._value(kind, octets), now))
         return True
+
+    def _value(self, kind: ros_radio.Incoming, octets: bytes) -> Payload:
+        with self._stopwatch.span("messages"):
+            return _value(kind, octets)
 
     def transforms(self) -> dict[str, Pose]:
         """From the frame of each other robot to the own one, where they are known."""
