@@ -87,7 +87,10 @@ class TravelGrid:
         # unknown.
         self.coarse_clearance, self.away_from_unknown = self.ground.pools(self.factor)
         self.traversable = self.coarse_clearance >= 0
-        weight = 1.0 + 2.0 * np.clip(1.0 - self.coarse_clearance / comfort, 0.0, 1.0)
+        weight = np.maximum(1.0 - self.coarse_clearance / comfort, 0.0)
+        np.minimum(weight, 1.0, out=weight)
+        weight *= 2.0
+        weight += 1.0
         weight[~self.traversable] = math.inf
         self.weighted: WeightedGrid = WeightedGrid(weight, self.info.resolution)
 
