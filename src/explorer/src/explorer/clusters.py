@@ -8,7 +8,7 @@ from typing import Dict, FrozenSet, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from explorer._kernels import components, lines_are_clear
-from explorer.frontiers import Frontier
+from explorer.frontiers import Frontier, points_of
 from explorer.grid import OccupancyMap
 
 # Half edges in metres of the boxes of contract 3.6: clusters closer than the first are one; a point on its own
@@ -44,7 +44,7 @@ class Cluster:
     @cached_property
     def points(self) -> np.ndarray:
         """(n, 2) array of the members' positions in metres."""
-        return np.array([(member.x, member.y) for member in self.members], dtype=float).reshape(-1, 2)
+        return points_of(self.members)
 
     @cached_property
     def centre(self) -> Tuple[float, float]:
@@ -135,7 +135,7 @@ class ClusterStore:
         self.clusters: List[Cluster] = []  # without views
 
     def update(self, frontiers: Sequence[Frontier], occupancy: OccupancyMap) -> List[Cluster]:
-        points = np.array([(f.x, f.y) for f in frontiers], dtype=float).reshape(-1, 2)
+        points = points_of(frontiers)
         labels = split_long(points, group(points, occupancy))
         groups: List[List[Frontier]] = [[] for _ in range(int(labels.max()) + 1 if len(labels) else 0)]
         for frontier, label in zip(frontiers, labels):

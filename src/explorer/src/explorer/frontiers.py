@@ -1,7 +1,7 @@
 """Frontiers: free cells next to unknown ones (Yamauchi 1997), thinned to points that keep their identity."""
 
 from dataclasses import dataclass, field
-from typing import Dict, List, Tuple
+from typing import Collection, Dict, List, Tuple
 
 import numpy as np
 
@@ -24,6 +24,13 @@ class Frontier:
     y: float
 
 
+def points_of(frontiers: Collection[Frontier]) -> np.ndarray:
+    """(n, 2) array in metres."""
+    # Column by column: an array of a thousand pairs takes several times as long.
+    columns = np.array([[f.x for f in frontiers], [f.y for f in frontiers]], dtype=float)
+    return np.ascontiguousarray(columns.T)
+
+
 def thin(points: np.ndarray, distance: float = THINNING_DISTANCE) -> np.ndarray:
     """Subset of an (n, 2) array of points in metres: each point left out has one of the subset within the box of
     half edge `distance`, no two of the subset lie in each other's box. Deterministic, first come first kept."""
@@ -42,7 +49,7 @@ class FrontierStore:
     def update(self, occupancy: OccupancyMap, cells: np.ndarray) -> Tuple[List[Frontier], List[Frontier]]:
         """Takes the frontier cells of a new map (bool array of the map's shape); returns points new and gone."""
         stored = self.ordered()
-        own = occupancy.info.cells_of(np.array([(f.x, f.y) for f in stored], dtype=float))
+        own = occupancy.info.cells_of(points_of(stored))
         stays = occupancy.info.inside(own)
         stays[stays] = _kernels.any_in_box(cells, own[stays], _reach(occupancy))
         gone = [frontier for frontier, there in zip(stored, stays.tolist()) if not there]

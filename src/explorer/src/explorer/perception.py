@@ -8,7 +8,7 @@ import numpy as np
 from explorer._kernels import near_any
 from explorer.clusters import Cluster, ClusterStore
 from explorer.frontier_map import FrontierMap
-from explorer.frontiers import Frontier, FrontierStore
+from explorer.frontiers import Frontier, FrontierStore, points_of
 from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
 from explorer.leftovers import Left, leftovers
@@ -23,7 +23,6 @@ from explorer.worth import (
     TOLD_DISTANCE,
     Worth,
     is_opening,
-    points_of,
     too_much_to_leave,
     without_denied,
     without_detours,

@@ -5,7 +5,7 @@ from typing import Dict, NamedTuple, Sequence
 import numpy as np
 
 from explorer._kernels import cells_within, connected_part, unknown_behind
-from explorer.frontiers import Frontier
+from explorer.frontiers import Frontier, points_of
 from explorer.geometry import Position
 from explorer.travel import SNAP_DISTANCE, nearest_cell
 from explorer.ways import Ways
@@ -32,7 +32,7 @@ def prospects(frontiers: Sequence[Frontier], ways: Ways, place: Position) -> Dic
         return {}
     occupancy = ways.occupancy
     info, resolution = occupancy.info, occupancy.info.resolution
-    cells = info.cells_of(np.array([(f.x, f.y) for f in frontiers], dtype=float))
+    cells = info.cells_of(points_of(frontiers))
     cells = np.clip(cells, 0, np.array((info.height - 1, info.width - 1)))
     areas, depths = unknown_behind(
         occupancy.cells,

@@ -1,6 +1,7 @@
 """Recognising among the own clusters what another robot means by a list of elements (contract 3.6, 3.7)."""
 
 from dataclasses import dataclass
+from itertools import chain
 from typing import FrozenSet, List, Optional, Sequence
 
 import numpy as np
@@ -65,4 +66,5 @@ def listed(keys: Sequence[Key], foreign: ForeignFrontiers, own_name: str) -> Lis
     """Points of other robots count where their place is known."""
     places = foreign.in_own_frame([key for key in keys if key[0] != own_name])
     own = frozenset(number for robot, number in keys if robot == own_name)
-    return Listed(own, np.array(places, dtype=float).reshape(-1, 2))
+    numbers = np.fromiter(chain.from_iterable(places), dtype=float, count=2 * len(places))
+    return Listed(own, numbers.reshape(-1, 2))

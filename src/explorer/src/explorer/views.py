@@ -9,7 +9,7 @@ import numpy as np
 
 from explorer._kernels import nearest_views, search_views
 from explorer.clusters import Cluster, View
-from explorer.frontiers import Frontier
+from explorer.frontiers import Frontier, points_of
 from explorer.geometry import turn
 from explorer.grid import OccupancyMap, line_is_clear
 from explorer.travel import CostField
@@ -87,7 +87,7 @@ class Views:
         """The clusters with cost, viewpoint, target, gain and views from those of their members that are `goals`."""
         active = [[member for member in cluster.members if member.number in goals] for cluster in clusters]
         members = [member for chosen in active for member in chosen]
-        points = np.array([(member.x, member.y) for member in members], dtype=float).reshape(-1, 2)
+        points = points_of(members)
         views = iter(self.of(points, np.repeat(np.arange(len(active)), [len(chosen) for chosen in active])))
         return tuple(
             self._assessed(cluster, chosen, [next(views) for _ in chosen]) for cluster, chosen in zip(clusters, active)

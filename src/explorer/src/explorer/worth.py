@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import replace
-from typing import Dict, FrozenSet, Iterable, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, FrozenSet, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from explorer._kernels import nearest_near
 from explorer.clusters import Cluster
-from explorer.frontiers import Frontier
+from explorer.frontiers import Frontier, points_of
 from explorer.grid import OccupancyMap
 from explorer.heard import Heard, KnownArea
 from explorer.prospects import Prospect
@@ -61,11 +61,6 @@ def worth_of(
     told = {goals[row].number: TOLD.format(robot) for row, robot in {**explored, **decided}.items()}
     by = frozenset(robot for row, robot in explored.items() if row not in decided)
     return Worth({f.number: f for f in goals if f.number not in told}, {**reasons, **told}, by)
-
-
-def points_of(frontiers: Iterable[Frontier]) -> np.ndarray:
-    """(n, 2) array in metres."""
-    return np.array([(f.x, f.y) for f in frontiers], dtype=float).reshape(-1, 2)
 
 
 def _explored(points: np.ndarray, places: np.ndarray, robots: Sequence[str]) -> Dict[int, str]:
