@@ -3,12 +3,14 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import List
 
 import numpy as np
 import pytest
 
 from mr_grid import OccupancyGrid, Pose
 from mr_sim.bench_navigation import rows
+from mr_sim.nuisance import reach as reach_module
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import Reach
 from mr_sim.nuisance.runs import MODEL_WORLD, GoalRun, SceneRun, run_seed
@@ -34,6 +36,20 @@ def world_of(*boxes: tuple) -> WorldDescription:
 def test_way_in_the_open_takes_as_long_as_driving_it() -> None:
     assert Reach(world_of()).seconds(Pose(1.0, 2.0, 0.0), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4)
     assert Reach(world_of()).seconds(Pose(1.0, 2.0, math.pi), (5.0, 2.0)) == pytest.approx(8.0, abs=0.4), "backwards"
+
+
+def test_ways_are_as_long_wherever_one_stops_to_look(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the other side of a wall it is much farther than the straight line."""
+    world, starts = world_of((0.1, 2.0, 4.9, 2.1)), (Pose(0.5, 2.5, 0.0), Pose(4.0, 3.0, 1.0), Pose(2.0, 1.0, 3.0))
+
+    def ways() -> List[float]:
+        reach = Reach(world)
+        return [reach.seconds(start, (0.6, 1.5)) for start in starts]
+
+    soon = ways()
+    assert soon[0] > 4.0 * reach_module.TURNING
+    monkeypatch.setattr(reach_module, "TURNING", math.inf)
+    assert ways() == soon
 
 
 @pytest.mark.parametrize("width, open_", [(0.36, False), (0.5, True)])

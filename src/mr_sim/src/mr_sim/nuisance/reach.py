@@ -4,6 +4,7 @@ Independent of navigation. Headings are those of steps to cells of the lattice, 
 """
 
 import math
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -20,6 +21,8 @@ from mr_sim.world_description import WorldDescription
 CELL = 0.06  # m of the lattice, a multiple of the resolution of a world
 MARGIN = 0.01  # m around the footprint
 GOAL_REACH = 0.12
+# Looking farther than this costs seconds, and is done only where there is no way in that time.
+USUAL_DETOUR, TURNING = 2.0, 4.0  # of the straight line; s
 _HALF = ((1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1))  # cells, of half a turn
 STEPS = (*_HALF, *((-x, -y) for x, y in _HALF))
 HEADINGS = [math.atan2(y, x) for x, y in STEPS]
@@ -38,8 +41,7 @@ class Reach:
         self._every = round(CELL / world.resolution)
         free = (self._grid.cells == 0).astype(np.uint8)
         self._room = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * world.resolution
-        self._graph: coo_matrix | None = None
-        self._known: dict[tuple[float, float], np.ndarray] = {}
+        self._known: dict[tuple[float, float], tuple[float, np.ndarray]] = {}
 
     def room(self, point: tuple[float, float]) -> float:
         """m to the nearest obstacle, 0 outside."""
@@ -59,9 +61,20 @@ class Reach:
 
     def seconds(self, start: Pose, goal: tuple[float, float]) -> float:
         """The least time from a pose to within reach of a goal, s; infinity if there is no way."""
-        if goal not in self._known:
-            self._known[goal] = self._from(goal)
-        field = self._known[goal]
+        straight = math.dist(start[:2], goal) / self.drive.max_linear_velocity
+        for limit in (USUAL_DETOUR * straight + TURNING, math.inf):
+            best = self._seconds(start, self._field(goal, limit))
+            if best <= limit:
+                break
+        return best
+
+    def _field(self, goal: tuple[float, float], limit: float) -> np.ndarray:
+        """Seconds (headings, rows, columns) to the goal; infinity may stand for more than the limit."""
+        if goal not in self._known or self._known[goal][0] < limit:
+            self._known[goal] = limit, self._from(goal, limit)
+        return self._known[goal][1]
+
+    def _seconds(self, start: Pose, field: np.ndarray) -> float:
         row, column = self._cell(start[:2], CELL)
         best = math.inf
         for dr in (-1, 0, 1):
@@ -73,11 +86,8 @@ class Reach:
                     best = min([best, *(field[k, r, c] + turns[k] / self.drive.max_angular_velocity for k in nearest)])
         return float(best)
 
-    def _from(self, goal: tuple[float, float]) -> np.ndarray:
-        """Seconds (headings, rows, columns) to the goal."""
-        free = self._free()
-        if self._graph is None:
-            self._graph = _graph(free, self.drive)
+    def _from(self, goal: tuple[float, float], limit: float) -> np.ndarray:
+        free = self._free
         rows, columns = np.indices(free.shape[1:])
         x = self._grid.origin[0] + (columns + 0.5) * CELL
         y = self._grid.origin[1] + (rows + 0.5) * CELL
@@ -85,9 +95,14 @@ class Reach:
         sources = np.flatnonzero(there)
         if not sources.size:
             return np.full(free.shape, np.inf)
-        seconds = dijkstra(self._graph, directed=False, indices=sources, min_only=True)
+        seconds = dijkstra(self._graph, directed=False, indices=sources, min_only=True, limit=limit)
         return np.where(free, seconds.reshape(free.shape), np.inf)
 
+    @cached_property
+    def _graph(self) -> coo_matrix:
+        return _graph(self._free, self.drive)
+
+    @cached_property
     def _free(self) -> np.ndarray:
         """bool (headings, rows, columns): whether the footprint fits there."""
         start = self._every // 2
