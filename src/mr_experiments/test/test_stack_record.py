@@ -147,7 +147,7 @@ def test_what_the_team_knew_together_is_told_over_time(missions):
 def test_missions_of_the_stack_make_a_report(missions, tmp_path):
     records = load_records(missions)
     assert [each.asked.seed for each in records.records] == [1, 2]
-    report = make_report(missions, tmp_path / "report")
+    report = make_report(missions, tmp_path / "report", with_bound=False)
     text = (tmp_path / "report" / "report.html").read_text()
     assert report is not None and "2 missions: 2 finished" in text and "Transforms to other robots" in text
 
@@ -166,7 +166,7 @@ def test_those_of_a_robot_whose_map_was_lost_are_not_judged(tmp_path):
     assert found.merges_recorded and not found.merges_judged
     assert [merge.right for merge in found.robots["robot_0"].merges] == [None]
     write_record(found, tmp_path / "record.json")
-    make_report(tmp_path, tmp_path / "report")
+    make_report(tmp_path, tmp_path / "report", with_bound=False)
     assert "Transforms to other robots" not in (tmp_path / "report" / "report.html").read_text()
 
 
