@@ -329,7 +329,7 @@ def plan_out(
 
 
 def test_a_way_out_gains_room_and_never_comes_nearer() -> None:
-    """With a tolerance instead robots backed into tables."""
+    """With a tolerance instead robots backed into tables; what a corner swept in the middle of a step was not seen."""
     found: List[bool] = []
 
     @given(st.lists(nearby, min_size=1, max_size=4), st.lists(anywhere, max_size=4))
@@ -342,9 +342,7 @@ def test_a_way_out_gains_room_and_never_comes_nearer() -> None:
         for former, row in zip(rows, rows[1:]):
             for share in np.linspace(0.0, 1.0, 11):
                 pose = tuple((former + share * (row - former))[:3])
-                # The search looks at the middle and the end of a step; between them a corner may come nearer.
-                slack = 0.003 if share in (0.0, 0.5, 1.0) else 0.015
-                assert _navigation.clearance(pose, obstacles, FOOTPRINT) > min(before, 0.03) - slack
+                assert _navigation.clearance(pose, obstacles, FOOTPRINT) > min(before, 0.03) - 0.003
 
     no_nearer()
     assert len(found) >= 30 and sum(found) > 0.6 * len(found), "ways must be found, or nothing was looked at"

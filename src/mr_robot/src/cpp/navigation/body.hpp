@@ -17,6 +17,10 @@ class Body {
   // m, less the margins of the obstacles; `kMost` where nothing is near.
   double clearance(const Pose& pose);
 
+  // m, the least on a short way by way of `middle`, with what the corners sweep. In the body's frame obstacles are
+  // taken to move straight from pose to pose, which is 1 mm off for .1 m and a turn of .2 rad.
+  double clearance(const Pose& from, const Pose& middle, const Pose& to);
+
   // Whether the body can turn there.
   bool roomy(const Pose& pose);
 
@@ -29,6 +33,8 @@ class Body {
   };
 
   const std::vector<Obstacle>& near(const Pose& pose);
+  double distance(const Point& place) const;
+  double least_between(const Point& from, const Point& to, double enough) const;
 
   Footprint footprint_;
   std::vector<Obstacle> all_;

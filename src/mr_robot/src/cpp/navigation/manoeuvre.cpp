@@ -137,7 +137,7 @@ class Search {
     const Pose end = along(node.pose, way, turn);
     if (std::hypot(end.x - start_.x, end.y - start_.y) > kReach + kStep) return -1;
     const double room = body_.clearance(end);
-    if (room < least_ || body_.clearance(along(node.pose, 0.5 * way, 0.5 * turn)) < least_) return -1;
+    if (room < least_ || body_.clearance(node.pose, along(node.pose, 0.5 * way, 0.5 * turn), end) < least_) return -1;
     double seconds = std::abs(way) / agility_.linear;
     if (direction == 0.0) seconds = std::abs(turn) / agility_.angular;
     if (from == 0 && !begins({way / seconds, turn / seconds})) return -1;
