@@ -114,3 +114,12 @@ def test_the_better_match_wins() -> None:
     near, far = Cluster(1, tuple(frontiers((0, 0), (0.5, 0)))), Cluster(2, tuple(frontiers((5, 0), (5.5, 0), first=5)))
     keys = [("robot_0", 0), ("robot_0", 5), ("robot_0", 6)]
     assert Recognition([near, far]).match(listed(keys, ForeignFrontiers(), "robot_0")) is far
+
+
+def test_other_views_of_a_cluster_leave_what_depends_on_its_members() -> None:
+    own = Cluster(3, (Frontier(1, 0.0, 1.0), Frontier(2, 2.0, 3.0)))
+    points = own.points
+    seen = own.seen(1.5, (0.0, 0.0), 2, 4.0, {2: (0.0, 0.0, 1.5)})
+    assert seen == Cluster(3, own.members, 1.5, (0.0, 0.0), 2, 4.0, {2: (0.0, 0.0, 1.5)})
+    assert seen.points is points and seen.centre == own.centre and seen.numbers == own.numbers
+    assert seen.unseen(4.0) == Cluster(3, own.members, gain=4.0)

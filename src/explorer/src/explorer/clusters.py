@@ -41,6 +41,25 @@ class Cluster:
     gain: float = 0.0
     views: Mapping[int, View] = field(default_factory=dict)
 
+    def seen(
+        self,
+        cost: float,
+        viewpoint: Optional[Tuple[float, float]],
+        target: Optional[int],
+        gain: float,
+        views: Mapping[int, View],
+    ) -> "Cluster":
+        """The same members with other views."""
+        cluster = Cluster(self.number, self.members, cost, viewpoint, target, gain, views)
+        # What depends on the members alone is not computed again.
+        kept = {name: self.__dict__[name] for name in ("points", "centre", "numbers") if name in self.__dict__}
+        cluster.__dict__.update(kept)
+        return cluster
+
+    def unseen(self, gain: float) -> "Cluster":
+        """The same members without views."""
+        return self.seen(math.inf, None, None, gain, {})
+
     @cached_property
     def points(self) -> np.ndarray:
         """(n, 2) array of the members' positions in metres."""

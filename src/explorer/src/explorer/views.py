@@ -1,7 +1,6 @@
 """From where the robot looks at a frontier, and what it costs to get there."""
 
 import math
-from dataclasses import replace
 from functools import cached_property
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
@@ -97,7 +96,7 @@ class Views:
         found = {member.number: view for member, view in zip(active, views) if view is not None}
         gain = self.gain(*cluster.centre)
         if not found:
-            return replace(cluster, cost=math.inf, viewpoint=None, target=None, gain=gain, views={})
+            return cluster.unseen(gain)
         least = min(view[2] for view in found.values())
         centre = cluster.centre
         # A little more way for a place nearer to the middle: it shows more of the cluster.
@@ -107,7 +106,7 @@ class Views:
             if member.number in found and found[member.number][2] <= least + 0.7
         )[1]
         x, y, _ = found[best]
-        return replace(cluster, cost=least, viewpoint=(x, y), target=best, gain=gain, views=found)
+        return cluster.seen(least, (x, y), best, gain, found)
 
     def gain(self, x: float, y: float) -> float:
         """Unknown area in square metres in the square around a point."""

@@ -1,7 +1,6 @@
 """What is worth a visit: which frontier points are goals."""
 
 import math
-from dataclasses import replace
 from typing import Dict, FrozenSet, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
@@ -121,7 +120,7 @@ def _without(
 ) -> Tuple[Tuple[Cluster, ...], Worth]:
     """The clusters without views where these are no goals any more, for the reasons by number."""
     result = tuple(
-        replace(cluster, cost=math.inf, viewpoint=None, target=None, views={})
+        cluster.unseen(cluster.gain)
         if not reasons.keys().isdisjoint(cluster.views)
         else cluster
         for cluster in clusters
