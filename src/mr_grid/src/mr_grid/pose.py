@@ -12,7 +12,11 @@ arithmetic on cells and places goes wrong with them."""
 
 def is_place(*coordinates: float) -> bool:
     """Whether coordinates in metres are numbers of a usable size."""
-    return all(abs(value) <= FARTHEST for value in coordinates)
+    # Asked of every position that is heard: `all` of a generator takes three times as long.
+    for value in coordinates:
+        if not abs(value) <= FARTHEST:
+            return False
+    return True
 
 
 def normalized(angle: float) -> float:
