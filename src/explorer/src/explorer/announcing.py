@@ -43,7 +43,7 @@ class Announcing:
     def say(self, stage: Stage, now: float) -> None:
         """Says it if that is due; there must be a map."""
         what = (stage, self._verdicts.revision + sum(self._ending.closer_looks.values()))
-        if not self._team.known() or not self._due(what, now):
+        if self._team.alone or not self._due(what, now):
             return
         if self._mission is None:
             self._mission = int(now * 1000.0) % 2**32  # another one after a restart

@@ -65,7 +65,7 @@ class AuctionedSelection(Selection):
 
     def confirm(self, scene: Scene) -> None:
         age = scene.now - self._claim.told_at
-        if not self._team.known() or self._auctions.open or age < SHARE_PERIOD:
+        if self._team.alone or self._auctions.open or age < SHARE_PERIOD:
             return
         own = scene.cluster(self._claim.number)
         if self._claim.changed(own) or (own is not None and age >= CONFIRM_PERIOD):
@@ -73,7 +73,7 @@ class AuctionedSelection(Selection):
 
     def finish(self, scene: Scene) -> None:
         self._auctions.abandon()
-        if self._team.known():
+        if not self._team.alone:
             self._announce(scene, self._auctions.last_id)
 
     def settle(self, robot: str, scene: Scene) -> None:

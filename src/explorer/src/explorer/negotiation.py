@@ -37,7 +37,7 @@ class NegotiatedSelection(Selection):
 
     def confirm(self, scene: Scene) -> None:
         cluster = scene.cluster(self._claim.number)
-        if not self._team.known() or cluster is None or not cluster.reachable:
+        if self._team.alone or cluster is None or not cluster.reachable:
             return
         if scene.now - self._claim.told_at >= CONFIRM_PERIOD:
             self._announce(cluster, scene.now)

@@ -47,7 +47,7 @@ class Sharing:
 
     def share(self, now: float, force: bool = False) -> None:
         """Sends what is new if that is due, or at once by `force`."""
-        if not self._team.known() or (now - self._share_time < SHARE_PERIOD and not force):
+        if self._team.alone or (now - self._share_time < SHARE_PERIOD and not force):
             return
         if now - self._refresh_time >= REFRESH_PERIOD:
             self._sent = set()

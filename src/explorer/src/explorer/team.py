@@ -133,6 +133,11 @@ class Team:
             if peer.position is not None and now - peer.position_time <= POSITION_LIFETIME
         }
 
+    @property
+    def alone(self) -> bool:
+        """True if none is known."""
+        return not any(peer.known for peer in self._peers.values())
+
     def known(self) -> List[str]:
         return sorted(name for name, peer in self._peers.items() if peer.known)
 
