@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import chain
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -111,15 +112,24 @@ class ForeignFrontiers:
     def robots(self) -> List[str]:
         return sorted(self._points)
 
-    def has_near(self, element: Element, radius: float) -> bool:
-        """True if its detector has reported a point within `radius` metres of it that is still there."""
-        points = self._points.get(element.detected_by)
-        if not points:
-            return False
-        places = self._places.get(element.detected_by)
+    def have_near(self, elements: Sequence[Element], radius: float) -> List[bool]:
+        """For each of them, whether its detector has reported a point within `radius` metres of it that is still
+        there."""
+        near = [False] * len(elements)
+        for robot in {element.detected_by for element in elements} & self._points.keys():
+            rows = [row for row, element in enumerate(elements) if element.detected_by == robot]
+            places = np.array([(elements[row].x, elements[row].y) for row in rows])
+            for row, found in zip(rows, within_any(places, self._places_of(robot), radius).tolist()):
+                near[row] = found
+        return near
+
+    def _places_of(self, robot: str) -> np.ndarray:
+        places = self._places.get(robot)
         if places is None:
-            places = self._places[element.detected_by] = np.array(list(points.values()), dtype=float)
-        return bool(within_any(np.array(((element.x, element.y),)), places, radius)[0])
+            points = self._points[robot]
+            numbers = np.fromiter(chain.from_iterable(points.values()), dtype=float, count=2 * len(points))
+            places = self._places[robot] = numbers.reshape(-1, 2)
+        return places
 
     def count(self) -> int:
         return sum(len(points) for points in self._points.values())

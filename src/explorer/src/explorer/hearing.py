@@ -46,9 +46,9 @@ class Hearing:
         for element in elements:
             self._foreign.remove(element.key)
         places = []
-        for element in elements:
-            place = self._foreign.to_own_frame(element)
-            if place is not None and not self._foreign.has_near(element, MOVED_DISTANCE):
+        for element, moved in zip(elements, self._foreign.have_near(elements, MOVED_DISTANCE)):
+            place = None if moved else self._foreign.to_own_frame(element)
+            if place is not None:
                 self._verdicts.believe_explored(element.detected_by, *place, now)
                 places.append(place)
         self._perception.take_explored(places)
