@@ -10,6 +10,7 @@ from typing import List, NamedTuple
 LIMIT_S = 400
 TOPOLOGIES = ("distributed", "centralized")
 LOOK = ("timeout", "5", "rostopic", "echo", "-n1")
+BEGINS = ("timeout", "20", "rostopic", "echo", "-n1", "--filter", "m.state==1")
 KILLED = {
     "distributed": {"robot_0": ("explorer", "adhoc_communication"), "robot_1": ("map_merger",)},
     "centralized": {"robot_1": ("slam",)},
@@ -38,9 +39,11 @@ def run_of(topology: str, out: Path) -> Mission:
             stderr=subprocess.STDOUT,
         )
     try:
-        while "state: 1" not in enter(out, "robot_0", *LOOK, "/explorer/state").stdout:  # the runner tells it later
+        while not processes_of(f"{out}/logs/robot_0/nodes/explorer-"):  # looking costs less than to enter
             assert run.poll() is None, told.read_text()
-            time.sleep(0.05)
+            time.sleep(0.1)
+        while "state: 1" not in enter(out, "robot_0", *BEGINS, "/explorer/state").stdout:  # the runner tells it later
+            assert run.poll() is None, told.read_text()
         visit, orders = (disturb(out), "") if disturbed else ((), order(out))
         run.wait(timeout=LIMIT_S)
     finally:
