@@ -134,7 +134,10 @@ def test_what_is_near_is_told_from_the_points_that_are_there_now(changes: List[T
             foreign.remove(("robot_1", number))
             points.pop(number, None)
         near = any(math.hypot(px - 0.5, py) <= 0.7 for px, py in points.values())
-        assert foreign.have_near([Element("robot_2", 9, 0.5, 0.0), Element("robot_1", 9, 0.5, 0.0)], 0.7) == [False, near]
+        assert foreign.have_near([Element("robot_2", 9, 0.5, 0.0), Element("robot_1", 9, 0.5, 0.0)], 0.7) == [
+            False,
+            near,
+        ]
 
 
 ROBOTS = st.sampled_from(["robot_1", "robot_2"])

@@ -120,9 +120,7 @@ def _without(
 ) -> Tuple[Tuple[Cluster, ...], Worth]:
     """The clusters without views where these are no goals any more, for the reasons by number."""
     result = tuple(
-        cluster.unseen(cluster.gain)
-        if not reasons.keys().isdisjoint(cluster.views)
-        else cluster
+        cluster.unseen(cluster.gain) if not reasons.keys().isdisjoint(cluster.views) else cluster
         for cluster in clusters
     )
     goals = {number: frontier for number, frontier in worth.goals.items() if number not in reasons}
