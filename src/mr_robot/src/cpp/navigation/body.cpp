@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace mr_robot::navigation {
-namespace {
-
-constexpr int kNarrowings = 8;  // to a twenty-fifth: 2 mm of .05 m
-
-}  // namespace
-
 Body::Body(const Pose& place, double reach, double cell, const std::vector<Obstacle>& obstacles,
            const Footprint& footprint)
     : footprint_(footprint),
@@ -54,12 +48,13 @@ double Body::distance(const Point& place) const {
 // The distance from a rectangle has one minimum on a line, which is closed in on.
 double Body::least_between(const Point& from, const Point& to, double enough) const {
   const double at_ends = std::min(distance(from), distance(to));
-  if (at_ends - 0.5 * std::hypot(to.x - from.x, to.y - from.y) >= enough) return at_ends;
+  const double length = std::hypot(to.x - from.x, to.y - from.y);
+  if (at_ends - 0.5 * length >= enough) return at_ends;
   const auto at = [&](double share) {
     return distance({from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)});
   };
   double low = 0.0, high = 1.0;
-  for (int i = 0; i < kNarrowings; ++i) {
+  while ((high - low) * length > kSlack) {
     const double third = (high - low) / 3.0;
     if (at(low + third) < at(high - third)) {
       high -= third;
