@@ -1,6 +1,5 @@
 """Conversions between ROS messages and the plain values of the agent. The only module here that knows ROS types."""
 
-import functools
 import math
 from dataclasses import dataclass, replace
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
@@ -153,14 +152,8 @@ class Wire:
         return Bid(tuple(self._key_from(element) for element in cluster.ids_contained), bid)
 
     def _bid_to(self, bid: Bid) -> ExpCluster:
-        return ExpCluster([_cluster_element(key) for key in bid.elements], bid.bid)
-
-
-# The same points are on offer again and again, and nobody changes it.
-@functools.lru_cache(maxsize=16384)
-def _cluster_element(key: Key) -> ExpClusterElement:
-    robot, number = key
-    return ExpClusterElement(id=number, detected_by_robot_str=robot)
+        elements = [ExpClusterElement(id=number, detected_by_robot_str=robot) for robot, number in bid.elements]
+        return ExpCluster(elements, bid.bid)
 
 
 def _unread(message: ExpAuction) -> List[ExpCluster]:
