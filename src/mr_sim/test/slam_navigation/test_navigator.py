@@ -1048,3 +1048,15 @@ def test_a_retreat_leads_on_while_the_robot_comes_nearer_or_gains_room() -> None
     ]:
         retreat.advance(now, Pose(x, 2.0, 0.0), gained_room)
         assert retreat.leads_on(now) == leads_on, now
+
+
+def test_a_retreat_leads_on_while_the_robot_gets_on_steadily() -> None:
+    """A way that grew shorter by centimetres from step to step counted as none: every five seconds the robot looked for
+    another place."""
+    costs = CostMap(room(), navigation_with())
+    way = plan(costs, np.empty((0, 2)), Pose(3.5, 2.0, 0.0), (0.8, 2.0), 0.3)
+    assert way is not None
+    retreat = Retreat(way, 0.0)
+    for step in range(1, 100):
+        retreat.advance(0.1 * step, Pose(3.5 - 0.025 * step, 2.0, math.pi), False)
+        assert retreat.leads_on(0.1 * step)

@@ -1,13 +1,14 @@
 """The way to the goal: planned through the map, around what moves there, and given up when it leads nowhere."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Optional, Tuple
 
 import numpy as np
 
 from mr_grid import Pose
 from mr_robot.navigation.command import GivenUp
+from mr_robot.navigation.nearing import Nearing
 from mr_robot.navigation.options import AT_REST, CREEPING, LONGEST_DETOUR, PROGRESS, REACH, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, from_here, plan
 
@@ -18,8 +19,7 @@ class _Goal:
     since: float
     best: float = math.inf  # least way left so far by the present plan, m
     deadline: float = math.inf
-    nearest: float = math.inf  # least way left so far through the map alone, m
-    nearest_at: float = -math.inf  # since when
+    through_map: Nearing = field(default_factory=Nearing)  # by the map alone
     blocked_since: Optional[float] = None
     goes_around: bool = False  # what blocks the way is at rest
     failed: bool = False  # whether the latest plan did
@@ -129,8 +129,7 @@ class Route:
         assert self._goal is not None
         goal = self._goal
         left = known.cost_at(pose[0], pose[1])
-        if left < goal.nearest - PROGRESS:
-            goal.nearest, goal.nearest_at = left, now
+        goal.through_map.see(left, now)
         if around is not None and around.cost_at(pose[0], pose[1]) - left <= LONGEST_DETOUR:
             goal.blocked_since, goal.goes_around = None, False
             return around
@@ -140,7 +139,7 @@ class Route:
             return around
         timeout = self._options.blocked_timeout
         # Who gives way and comes back comes nearer each time, but not nearer than before.
-        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.nearest_at + timeout))
+        goal.blocked_since = max(goal.blocked_since, min(self.nearer_at, goal.through_map.at + timeout))
         waited = now - goal.blocked_since
         if around is not None and waited > AT_REST:
             goal.goes_around, self.nearer_at = True, now

@@ -12,6 +12,7 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
+from mr_robot.navigation.nearing import Nearing
 from mr_robot.navigation.options import AT_REST, LONGEST_DETOUR, PROGRESS, REACH, STANDING, NavigationOptions
 from mr_robot.navigation.planner import CostMap, Plan, plan
 
@@ -79,18 +80,16 @@ class Retreat:
 
     def __init__(self, way: Plan, now: float) -> None:
         self.way = way
-        self._least = math.inf  # m left so far
-        self._progress_at = now
+        self._nearing = Nearing(now)
 
     def advance(self, now: float, pose: Pose, gained_room: bool) -> None:
         """Once per step. `gained_room`: whether a manoeuvre has just ended."""
-        left = self.way.cost_at(pose[0], pose[1])
-        if gained_room or left < self._least - PROGRESS:
-            self._progress_at = now
-        self._least = min(self._least, left)
+        self._nearing.see(self.way.cost_at(pose[0], pose[1]), now)
+        if gained_room:
+            self._nearing.at = now
 
     def leads_on(self, now: float) -> bool:
-        return now - self._progress_at < 2.0 * STANDING  # manoeuvres lead away first
+        return now - self._nearing.at < 2.0 * STANDING  # manoeuvres lead away first
 
 
 def nearest_blocker(points: np.ndarray, pose: Pose) -> Optional[Point]:
