@@ -862,6 +862,21 @@ def test_a_surface_does_not_go_on_inside_the_robot() -> None:
     assert (np.abs(points) >= (0.22, 0.19)).any(axis=1).all()
 
 
+@pytest.mark.parametrize("slope, goes_on", [(-0.15, True), (0.15, False)])
+def test_a_surface_that_seems_to_lead_into_the_robot_does_not_go_on(slope: float, goes_on: bool) -> None:
+    """What came out on its other side, and what lay before, kept robots in doors that they had room to drive on in."""
+    options = navigation_with(footprint_length=0.6)
+    angles = np.linspace(-2.356, 2.356, 541)
+    # Where each beam meets the line through (-0.33, -0.33) that leads up, past the robot or through its corner.
+    ranges = (-0.33 + 0.33 * slope) / (np.cos(angles) - np.sin(angles) * slope)
+    seen = (angles < -2.2) & (ranges > 0.0)
+    scan = make_scan(np.where(seen, ranges, np.inf), -2.356, 4.712 / 540, 0.0, 8.0, Pose(0.0, 0.0, 0.0))
+    costs = CostMap(OccupancyGrid.of(np.full((80, 80), -1, np.int8), 0.05), options)
+    points = Surroundings(options).obstacles(costs, None, Pose(2.0, 2.0, 0.0), scan)[:, :2] - 2.0
+    assert len(points) > seen.sum() // 2
+    assert (points[:, 1] > -0.32).any() == goes_on
+
+
 @pytest.mark.parametrize("first", [-math.pi, 0.0, math.pi, -2.0 * math.pi])
 @pytest.mark.parametrize("turn", [2.0 * math.pi / 720, -2.0 * math.pi / 720])
 @pytest.mark.parametrize("bearing", [0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi])

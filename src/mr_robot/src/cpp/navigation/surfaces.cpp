@@ -38,7 +38,7 @@ Line line_through(const Point* points, std::size_t count) {
   return {x, y, c, s, off <= kStraight * kStraight};
 }
 
-void continue_edge(const ScanView& scan, bool first, double surface, double length, double reach,
+void continue_edge(const ScanView& scan, bool first, double surface, const Footprint& footprint, double reach,
                    std::vector<Beyond>& result) {
   const auto edge_of = [&](std::size_t i) { return first ? scan.points[i] : scan.points[scan.point_count - 1 - i]; };
   const Point edge = edge_of(0);
@@ -57,9 +57,14 @@ void continue_edge(const ScanView& scan, bool first, double surface, double leng
   const double extent = distance(from, inside);
   if (extent < 2.0 * kTouching) return;
   const double x = (from.x - inside.x) / extent, y = (from.y - inside.y) / extent;
-  for (int i = 1; i <= std::lround(length / kTouching); ++i) {
-    result.push_back({{from.x + i * kTouching * x, from.y + i * kTouching * y}, edge});
+  std::vector<Beyond> beyond;
+  for (int i = 1; i <= std::lround(2.0 * footprint.half_length / kTouching); ++i) {
+    const Point point{from.x + i * kTouching * x, from.y + i * kTouching * y};
+    // The few hits that tell its direction did not tell it well.
+    if (std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width) return;
+    beyond.push_back({point, edge});
   }
+  result.insert(result.end(), beyond.begin(), beyond.end());
 }
 
 }  // namespace
@@ -82,13 +87,13 @@ std::vector<Point> smoothed(const ScanView& scan, double reach) {
   return result;
 }
 
-std::vector<Beyond> continued(const ScanView& scan, double surface, double length, double reach) {
+std::vector<Beyond> continued(const ScanView& scan, double surface, const Footprint& footprint, double reach) {
   std::vector<Beyond> result;
   const double beams = static_cast<double>(scan.range_count) - 1.0 + 2.0 * kPatchHits;
   if (scan.point_count == 0 || scan.range_count < 2 || beams * std::abs(scan.angle_increment) > 2.0 * M_PI)
     return result;
-  continue_edge(scan, true, surface, length, reach, result);
-  continue_edge(scan, false, surface, length, reach, result);
+  continue_edge(scan, true, surface, footprint, reach, result);
+  continue_edge(scan, false, surface, footprint, reach, result);
   return result;
 }
 

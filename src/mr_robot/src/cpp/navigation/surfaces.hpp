@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "rollout.hpp"
 #include "scan.hpp"
 
 namespace mr_robot::navigation {
@@ -17,8 +18,8 @@ struct Beyond {
 };
 
 // What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
-// robot that turns touches it with a corner that it does not see. `surface`: m of it that tell its direction; `length`:
-// m that it goes on.
-std::vector<Beyond> continued(const ScanView& scan, double surface, double length, double reach);
+// robot that turns touches it with a corner that it does not see. For the length of the robot; not where that would lead
+// into it. `surface`: m of it that tell its direction.
+std::vector<Beyond> continued(const ScanView& scan, double surface, const Footprint& footprint, double reach);
 
 }  // namespace mr_robot::navigation

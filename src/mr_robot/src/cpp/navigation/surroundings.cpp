@@ -75,7 +75,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
                                    const Margins& margins, double reach) {
   const double surface = walls.same_surface();
   const BlindMap blind(walls, own, pose, reach);
-  const std::vector<Beyond> beyond = continued(scan, surface, 2.0 * footprint.half_length, reach);
+  const std::vector<Beyond> beyond = continued(scan, surface, footprint, reach);
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
   // A robot that turns may touch what is this close, and the nearest point of a square to its middle is not the nearest
   // to a corner.
@@ -95,8 +95,6 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   }
   std::vector<Point> guessed;
   for (const auto& [point, edge] : beyond) {
-    // Where the robot is no surface goes on: the few hits that tell its direction did not tell it well.
-    if (std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width) continue;
     const Point there = place(point);
     // Where the map shows free ground a wall has ended, but what moves goes on.
     const bool moves = point.x < 0.0 && blind.is_open(place(edge));
