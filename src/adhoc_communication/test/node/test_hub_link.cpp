@@ -1,13 +1,28 @@
 // A HubLink against the radio's end of it.
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <functional>
 
 #include "link/hub_link.hpp"
 #include "link/mac_address.hpp"
 #include "radio/listening_socket.hpp"
 #include "radio/port.hpp"
+
+namespace {
+std::function<void()> before_listen;
+}
+
+// In place of the C library's.
+extern "C" int listen(int descriptor, int backlog) noexcept {
+  if (before_listen) before_listen();
+  return static_cast<int>(syscall(SYS_listen, descriptor, backlog));
+}
 
 namespace adhoc_communication {
 namespace {
@@ -138,6 +153,35 @@ TEST_F(HubLinkTest, SecondRadioOnTheSameSocketIsRefused) {
   ListeningSocket hub(path());
   EXPECT_THROW(ListeningSocket second(path()), std::runtime_error);
   HubLink link(path(), std::nullopt, "alice");  // the first one still listens
+}
+
+// Whoever waited for the socket's file to be there was refused now and then: it was there before anybody listened.
+TEST_F(HubLinkTest, TheSocketOfTheRadioHasItsNameWhenItListens) {
+  bool asked = false;
+  before_listen = [&] {
+    asked = true;
+    EXPECT_NE(access(path().c_str(), F_OK), 0);
+  };
+  ListeningSocket hub(path());
+  before_listen = nullptr;
+  EXPECT_TRUE(asked);
+  EXPECT_EQ(access(path().c_str(), F_OK), 0);
+}
+
+TEST_F(HubLinkTest, ASocketThatADeadRadioLeftIsReplacedAndNothingElse) {
+  const std::string left = path() + ".left";
+  {
+    ListeningSocket dead(path());
+    ASSERT_EQ(rename(path().c_str(), left.c_str()), 0);
+  }
+  ASSERT_EQ(rename(left.c_str(), path().c_str()), 0);
+  { ListeningSocket hub(path()); }
+  std::ofstream(path()) << "somebody's text";
+  EXPECT_THROW(ListeningSocket hub(path()), std::runtime_error);
+  std::string kept;
+  std::getline(std::ifstream(path()), kept);
+  EXPECT_EQ(kept, "somebody's text");
+  unlink(path().c_str());
 }
 
 }  // namespace
