@@ -1,6 +1,5 @@
 """What is worth a visit: which frontier points are goals."""
 
-import math
 from typing import Dict, FrozenSet, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np

@@ -13,7 +13,7 @@ arithmetic on cells and places goes wrong with them."""
 def is_place(*coordinates: float) -> bool:
     """Whether coordinates in metres are numbers of a usable size."""
     # Asked of every position that is heard: `all` of a generator takes three times as long.
-    for value in coordinates:
+    for value in coordinates:  # noqa: SIM110
         if not abs(value) <= FARTHEST:
             return False
     return True

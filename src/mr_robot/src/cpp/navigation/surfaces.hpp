@@ -18,8 +18,8 @@ struct Beyond {
 };
 
 // What is close beside the robot at an edge of the field of view goes on where the laser is blind: beside a wall a
-// robot that turns touches it with a corner that it does not see. For the length of the robot; not where that would lead
-// into it. `surface`: m of it that tell its direction.
+// robot that turns touches it with a corner that it does not see. For the length of the robot, but not where that would
+// lead into it. `surface`: m of it that tell its direction.
 std::vector<Beyond> continued(const ScanView& scan, double surface, const Footprint& footprint, double reach);
 
 }  // namespace mr_robot::navigation
