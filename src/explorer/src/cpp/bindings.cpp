@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "changes.hpp"
@@ -60,6 +61,18 @@ bool is_inside(py::ssize_t row, py::ssize_t column, const py::array& grid) {
   return row >= 0 && column >= 0 && row < grid.shape(0) && column < grid.shape(1);
 }
 
+template <typename Value>
+mr_grid::Cells<Value> to_cells(const Array<Value>& cells) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  return {cells.data(), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1))};
+}
+
+mr_grid::Cells<std::uint8_t> to_cells(const Array<bool>& cells) {
+  require(cells.ndim() == 2, "cells need the shape (rows, columns)");
+  return {reinterpret_cast<const std::uint8_t*>(cells.data()), static_cast<int>(cells.shape(0)),
+          static_cast<int>(cells.shape(1))};
+}
+
 bool are_pairs(const py::array& array) { return array.ndim() == 2 && array.shape(1) == 2; }
 
 Array<bool> clear_lines(const Array<bool>& blocked, const Array<std::int64_t>& starts,
@@ -67,9 +80,8 @@ Array<bool> clear_lines(const Array<bool>& blocked, const Array<std::int64_t>& s
   require(blocked.ndim() == 2, "blocked needs the shape (rows, columns)");
   require(are_pairs(starts) && are_pairs(ends) && starts.shape(0) == ends.shape(0), "lines need shapes (n, 2)");
   Array<bool> clear(starts.shape(0));
-  const auto* cells = reinterpret_cast<const std::uint8_t*>(blocked.data());
-  lines_are_clear(cells, blocked.shape(0), blocked.shape(1), starts.data(), ends.data(),
-                  static_cast<std::size_t>(starts.shape(0)), clear.mutable_data());
+  lines_are_clear(to_cells(blocked), starts.data(), ends.data(), static_cast<std::size_t>(starts.shape(0)),
+                  clear.mutable_data());
   return clear;
 }
 
@@ -87,9 +99,9 @@ Array<float> pool(const Array<float>& values, const Array<bool>& mask, int facto
 Array<bool> find_frontier_cells(const Array<std::int8_t>& cells, int free_below, int occupied_from,
                                 std::size_t smallest_unknown, std::size_t smallest_frontier) {
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
-  const OccupancyView map{cells.data(), cells.shape(0), cells.shape(1), static_cast<std::int8_t>(free_below),
+  const OccupancyGrid map{to_cells(cells), static_cast<std::int8_t>(free_below),
                           static_cast<std::int8_t>(occupied_from)};
-  Array<bool> frontier({map.rows, map.columns});
+  Array<bool> frontier({map.cells.rows, map.cells.columns});
   frontier_cells(map, smallest_unknown, smallest_frontier, frontier.mutable_data());
   return frontier;
 }
@@ -151,8 +163,8 @@ py::tuple find_unknown_behind(const Array<std::int8_t>& cells, int occupied_from
               cells.shape(1) == enterable.shape(1),
           "cells and enterable need the same shape (rows, columns)");
   require(are_pairs(starts), "starts need the shape (n, 2)");
-  const SightMap map{cells.data(), reinterpret_cast<const std::uint8_t*>(enterable.data()), cells.shape(0),
-                     cells.shape(1), static_cast<std::int8_t>(occupied_from)};
+  const SightMap map{to_cells(cells), reinterpret_cast<const std::uint8_t*>(enterable.data()),
+                     static_cast<std::int8_t>(occupied_from)};
   Array<double> areas({starts.shape(0), static_cast<py::ssize_t>(2)}), depths(starts.shape(0));
   unknown_behind(map, starts.data(), static_cast<std::size_t>(starts.shape(0)), reach, skipped, areas.mutable_data(),
                  depths.mutable_data());
@@ -161,9 +173,11 @@ py::tuple find_unknown_behind(const Array<std::int8_t>& cells, int occupied_from
 
 using Placement = std::tuple<double, double, double>;  // resolution, origin_x, origin_y
 
-Geometry to_geometry(const Placement& placement, const py::array& grid) {
-  require(grid.ndim() == 2, "grids need the shape (rows, columns)");
-  return {std::get<0>(placement), std::get<1>(placement), std::get<2>(placement), grid.shape(0), grid.shape(1)};
+template <typename Value>
+auto to_grid(const Placement& placement, const Array<Value>& values) {
+  const auto cells = to_cells(values);
+  using Kept = std::remove_const_t<std::remove_pointer_t<decltype(cells.values)>>;
+  return mr_grid::Grid<Kept>{cells, std::get<0>(placement), {std::get<1>(placement), std::get<2>(placement)}};
 }
 
 Array<std::int64_t> find_views(const Placement& coarse, const Array<std::int32_t>& labels,
@@ -171,10 +185,8 @@ Array<std::int64_t> find_views(const Placement& coarse, const Array<std::int32_t
                                const Array<double>& points, const Array<std::int64_t>& groups, double view_distance) {
   require(are_pairs(points) && groups.ndim() == 1 && groups.shape(0) == points.shape(0),
           "points need the shape (n, 2), groups (n,)");
-  const Geometry coarse_grid = to_geometry(coarse, labels), fine_grid = to_geometry(fine, blocked);
   Array<std::int64_t> views(points.shape(0));
-  nearest_views(coarse_grid, labels.data(), places.data(), fine_grid,
-                reinterpret_cast<const std::uint8_t*>(blocked.data()), points.data(), groups.data(),
+  nearest_views(to_grid(coarse, labels), places.data(), to_grid(fine, blocked), points.data(), groups.data(),
                 static_cast<std::size_t>(points.shape(0)), view_distance, views.mutable_data());
   return views;
 }
@@ -182,10 +194,8 @@ Array<std::int64_t> find_views(const Placement& coarse, const Array<std::int32_t
 Array<std::int64_t> find_views_around(const Placement& coarse, const Array<bool>& reachable, const Placement& fine,
                                       const Array<bool>& blocked, const Array<double>& points, double view_distance) {
   require(are_pairs(points), "points need the shape (n, 2)");
-  const Geometry coarse_grid = to_geometry(coarse, reachable), fine_grid = to_geometry(fine, blocked);
   Array<std::int64_t> views(points.shape(0));
-  search_views(coarse_grid, reinterpret_cast<const std::uint8_t*>(reachable.data()), fine_grid,
-               reinterpret_cast<const std::uint8_t*>(blocked.data()), points.data(),
+  search_views(to_grid(coarse, reachable), to_grid(fine, blocked), points.data(),
                static_cast<std::size_t>(points.shape(0)), view_distance, views.mutable_data());
   return views;
 }

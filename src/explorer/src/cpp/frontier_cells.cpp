@@ -15,8 +15,8 @@ constexpr std::ptrdiff_t kGap = 3;  // cells
 // Tells unknown cells of islands from others without ever looking at more cells of the others than needed.
 class Islands {
  public:
-  Islands(const OccupancyView& map, std::size_t smallest)
-      : map_(map), smallest_(smallest), verdicts_(static_cast<std::size_t>(map.rows * map.columns), kOpen) {}
+  Islands(const OccupancyGrid& map, std::size_t smallest)
+      : cells_(map.cells), smallest_(smallest), verdicts_(map.cells.count(), kOpen) {}
 
   bool is_large(std::ptrdiff_t index) {
     if (verdicts_[index] == kOpen) judge(index);
@@ -36,62 +36,64 @@ class Islands {
 
   // True if the area is known to be large now.
   bool spread(std::ptrdiff_t index) {
-    const std::ptrdiff_t column = index % map_.columns, row = index / map_.columns;
-    return visited_.size() >= smallest_ || (row > 0 && visit(index - map_.columns)) ||
-           (row + 1 < map_.rows && visit(index + map_.columns)) || (column > 0 && visit(index - 1)) ||
-           (column + 1 < map_.columns && visit(index + 1));
+    const std::ptrdiff_t column = index % cells_.columns, row = index / cells_.columns;
+    return visited_.size() >= smallest_ || (row > 0 && visit(index - cells_.columns)) ||
+           (row + 1 < cells_.rows && visit(index + cells_.columns)) || (column > 0 && visit(index - 1)) ||
+           (column + 1 < cells_.columns && visit(index + 1));
   }
 
   bool visit(std::ptrdiff_t index) {
-    if (map_.cells[index] >= 0 || verdicts_[index] == kVisited) return false;
+    if (cells_.values[index] >= 0 || verdicts_[index] == kVisited) return false;
     if (verdicts_[index] == kLarge) return true;
     verdicts_[index] = kVisited;
     visited_.push_back(index);
     return visited_.size() >= smallest_;
   }
 
-  const OccupancyView& map_;
+  const mr_grid::Cells<std::int8_t>& cells_;
   std::size_t smallest_;
   std::vector<std::uint8_t> verdicts_;
   std::vector<std::ptrdiff_t> visited_;
 };
 
-bool is_frontier(const OccupancyView& map, std::ptrdiff_t row, std::ptrdiff_t column, Islands& islands) {
+bool is_frontier(const OccupancyGrid& map, int row, int column, Islands& islands) {
   bool near_unknown = false;
-  const std::ptrdiff_t bottom = std::min(row + 1, map.rows - 1), right = std::min(column + 1, map.columns - 1);
-  for (std::ptrdiff_t r = std::max<std::ptrdiff_t>(row - 1, 0); r <= bottom; ++r) {
-    for (std::ptrdiff_t c = std::max<std::ptrdiff_t>(column - 1, 0); c <= right; ++c) {
-      const std::int8_t value = map.cells[r * map.columns + c];
+  const auto& cells = map.cells;
+  const int bottom = std::min(row + 1, cells.rows - 1), right = std::min(column + 1, cells.columns - 1);
+  for (int r = std::max(row - 1, 0); r <= bottom; ++r) {
+    for (int c = std::max(column - 1, 0); c <= right; ++c) {
+      const std::int8_t value = cells.at(r, c);
       if (value >= map.occupied_from) return false;
-      if (value < 0 && !near_unknown) near_unknown = islands.is_large(r * map.columns + c);
+      if (value < 0 && !near_unknown) near_unknown = islands.is_large(cells.index(r, c));
     }
   }
   return near_unknown;
 }
 
 // Of a row and the ones around it, which columns hold an unknown cell: most cells need no closer look.
-void columns_near_unknown(const OccupancyView& map, std::ptrdiff_t row, std::vector<std::int8_t>& least) {
-  std::copy_n(map.cells + row * map.columns, map.columns, least.begin() + 1);
-  for (const std::ptrdiff_t other : {row - 1, row + 1}) {
-    if (other < 0 || other >= map.rows) continue;
-    const std::int8_t* cells = map.cells + other * map.columns;
-    for (std::ptrdiff_t column = 0; column < map.columns; ++column) {
-      least[column + 1] = std::min(least[column + 1], cells[column]);
+void columns_near_unknown(const mr_grid::Cells<std::int8_t>& cells, int row, std::vector<std::int8_t>& least) {
+  std::copy_n(&cells.at(row, 0), cells.columns, least.begin() + 1);
+  for (const int other : {row - 1, row + 1}) {
+    if (other < 0 || other >= cells.rows) continue;
+    const std::int8_t* values = &cells.at(other, 0);
+    for (int column = 0; column < cells.columns; ++column) {
+      least[column + 1] = std::min(least[column + 1], values[column]);
     }
   }
 }
 
-std::vector<std::int64_t> find_frontiers(const OccupancyView& map, std::size_t smallest_unknown) {
+std::vector<std::int64_t> find_frontiers(const OccupancyGrid& map, std::size_t smallest_unknown) {
   Islands islands(map, smallest_unknown);
   std::vector<std::int64_t> found;
-  std::vector<std::int8_t> least(static_cast<std::size_t>(map.columns + 2), 0);
-  for (std::ptrdiff_t row = 0; row < map.rows; ++row) {
-    columns_near_unknown(map, row, least);
-    for (std::ptrdiff_t column = 0; column < map.columns; ++column) {
+  const auto& cells = map.cells;
+  std::vector<std::int8_t> least(static_cast<std::size_t>(cells.columns) + 2, 0);
+  for (int row = 0; row < cells.rows; ++row) {
+    columns_near_unknown(cells, row, least);
+    for (int column = 0; column < cells.columns; ++column) {
       if ((least[column] & 0x80) == 0 && (least[column + 1] & 0x80) == 0 && (least[column + 2] & 0x80) == 0) continue;
-      const std::int8_t value = map.cells[row * map.columns + column];
+      const std::int8_t value = cells.at(row, column);
       if (value < 0 || value >= map.free_below || !is_frontier(map, row, column, islands)) continue;
-      found.push_back(row * map.columns + column);
+      found.push_back(cells.index(row, column));
     }
   }
   return found;
@@ -125,12 +127,12 @@ void large_frontiers(const std::int64_t* cells, std::size_t n, std::ptrdiff_t co
   for (std::size_t number = 0; number < n; ++number) large[number] = sizes[sets.find(number)] >= smallest;
 }
 
-void frontier_cells(const OccupancyView& map, std::size_t smallest_unknown, std::size_t smallest_frontier,
+void frontier_cells(const OccupancyGrid& map, std::size_t smallest_unknown, std::size_t smallest_frontier,
                     bool* frontier) {
-  std::fill_n(frontier, map.rows * map.columns, false);
+  std::fill_n(frontier, map.cells.count(), false);
   const std::vector<std::int64_t> cells = find_frontiers(map, smallest_unknown);
   const auto large = std::make_unique<bool[]>(cells.size());
-  large_frontiers(cells.data(), cells.size(), map.columns, smallest_frontier, large.get());
+  large_frontiers(cells.data(), cells.size(), map.cells.columns, smallest_frontier, large.get());
   for (std::size_t number = 0; number < cells.size(); ++number) frontier[cells[number]] = large[number];
 }
 

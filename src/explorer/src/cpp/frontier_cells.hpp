@@ -3,19 +3,19 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <mr_grid/cells.hpp>
 
 namespace explorer {
 
-struct OccupancyView {
-  const std::int8_t* cells;  // rows * columns, negative = unknown
-  std::ptrdiff_t rows, columns;
+struct OccupancyGrid {
+  mr_grid::Cells<std::int8_t> cells;  // negative = unknown
   std::int8_t free_below, occupied_from;
 };
 
 // Writes to `frontier` (rows * columns) which cells are free, have an unknown cell among their 8 neighbours and no
 // occupied one. Islands of fewer than `smallest_unknown` unknown cells (4 neighbours a cell) do not count, nor do
 // frontiers of fewer than `smallest_frontier` cells; cells no more than three apart belong to one frontier.
-void frontier_cells(const OccupancyView& map, std::size_t smallest_unknown, std::size_t smallest_frontier,
+void frontier_cells(const OccupancyGrid& map, std::size_t smallest_unknown, std::size_t smallest_frontier,
                     bool* frontier);
 
 // Writes to `large` which of n cells, ascending indices of a grid with so many columns, belong to a frontier of at

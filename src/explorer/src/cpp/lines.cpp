@@ -17,8 +17,7 @@ std::int64_t rounded(double value) {
   return static_cast<std::int64_t>((value + kIntegersOnly) - kIntegersOnly);
 }
 
-bool is_clear(const std::uint8_t* blocked, std::ptrdiff_t rows, std::ptrdiff_t columns, const Line& line,
-              std::int64_t steps) {
+bool is_clear(const mr_grid::Cells<std::uint8_t>& blocked, const Line& line, std::int64_t steps) {
   const double down = static_cast<double>(line.end_row - line.row);
   const double right = static_cast<double>(line.end_column - line.column);
   for (std::int64_t step = 1; step < steps; ++step) {
@@ -26,16 +25,16 @@ bool is_clear(const std::uint8_t* blocked, std::ptrdiff_t rows, std::ptrdiff_t c
     const std::int64_t row = rounded(static_cast<double>(line.row) + down * part);
     const std::int64_t column = rounded(static_cast<double>(line.column) + right * part);
     if ((row == line.row && column == line.column) || (row == line.end_row && column == line.end_column)) continue;
-    if (row < 0 || column < 0 || row >= rows || column >= columns || blocked[row * columns + column]) return false;
+    if (!blocked.contains(row, column) || blocked.at(row, column)) return false;
   }
   return true;
 }
 
 }  // namespace
 
-bool line_is_clear(const std::uint8_t* blocked, std::ptrdiff_t rows, std::ptrdiff_t columns, const std::int64_t* start,
-                   const std::int64_t* end, std::int64_t samples) {
-  return is_clear(blocked, rows, columns, {start[0], start[1], end[0], end[1]}, samples);
+bool line_is_clear(const mr_grid::Cells<std::uint8_t>& blocked, const std::int64_t* start, const std::int64_t* end,
+                   std::int64_t samples) {
+  return is_clear(blocked, {start[0], start[1], end[0], end[1]}, samples);
 }
 
 std::int64_t longest_line(const std::int64_t* starts, const std::int64_t* ends, std::size_t n) {
@@ -44,11 +43,11 @@ std::int64_t longest_line(const std::int64_t* starts, const std::int64_t* ends, 
   return longest;
 }
 
-void lines_are_clear(const std::uint8_t* blocked, std::ptrdiff_t rows, std::ptrdiff_t columns,
-                     const std::int64_t* starts, const std::int64_t* ends, std::size_t n, bool* clear) {
+void lines_are_clear(const mr_grid::Cells<std::uint8_t>& blocked, const std::int64_t* starts, const std::int64_t* ends,
+                     std::size_t n, bool* clear) {
   const std::int64_t samples = longest_line(starts, ends, n);
   for (std::size_t i = 0; i < n; ++i) {
-    clear[i] = line_is_clear(blocked, rows, columns, starts + 2 * i, ends + 2 * i, samples);
+    clear[i] = line_is_clear(blocked, starts + 2 * i, ends + 2 * i, samples);
   }
 }
 

@@ -37,16 +37,15 @@ Behind along(const SightMap& map, std::int64_t row, std::int64_t column, const s
   for (int step = 1; step <= static_cast<int>(steps.size()); ++step) {
     const Step& there = steps[static_cast<std::size_t>(step) - 1];
     const std::int64_t y = row + there.down, x = column + there.right;
-    const bool inside = y >= 0 && x >= 0 && y < map.rows && x < map.columns;
-    const std::int64_t index = y * map.columns + x;
-    if (inside && map.cells[index] >= 0) {
-      if (map.cells[index] >= map.occupied_from || behind.depth > 0.0 || step > skipped) break;
+    const bool inside = map.cells.contains(y, x);
+    if (inside && map.cells.at(y, x) >= 0) {
+      if (map.cells.at(y, x) >= map.occupied_from || behind.depth > 0.0 || step > skipped) break;
       continue;
     }
     const double share = 2.0 * kPi * step / kDirections;
     behind.depth += 1.0;
     behind.area += share;
-    if (inside) open = map.enterable[index];
+    if (inside) open = map.enterable[map.cells.index(y, x)];
     if (open) behind.enterable += share;
   }
   return behind;

@@ -3,13 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <mr_grid/cells.hpp>
 
 namespace explorer {
 
 struct SightMap {
-  const std::int8_t* cells;       // negative where unknown
-  const std::uint8_t* enterable;  // nonzero where the robot's centre might come to stand
-  std::ptrdiff_t rows, columns;
+  mr_grid::Cells<std::int8_t> cells;  // negative where unknown
+  const std::uint8_t* enterable;      // nonzero where the robot's centre might come to stand
   std::int8_t occupied_from;
 };
 

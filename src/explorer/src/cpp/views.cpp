@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <mr_grid/pose.hpp>
 #include <vector>
 
 #include "lines.hpp"
@@ -11,34 +10,37 @@
 namespace explorer {
 namespace {
 
+using mr_grid::Grid;
 using mr_grid::Point;
 
-std::int64_t row_of(const Geometry& grid, double y) {
-  return static_cast<std::int64_t>(std::floor((y - grid.origin_y) / grid.resolution));
+template <typename Value>
+std::int64_t row_of(const Grid<Value>& grid, double y) {
+  return static_cast<std::int64_t>(std::floor((y - grid.origin.y) / grid.resolution));
 }
 
-std::int64_t column_of(const Geometry& grid, double x) {
-  return static_cast<std::int64_t>(std::floor((x - grid.origin_x) / grid.resolution));
+template <typename Value>
+std::int64_t column_of(const Grid<Value>& grid, double x) {
+  return static_cast<std::int64_t>(std::floor((x - grid.origin.x) / grid.resolution));
 }
 
-std::int64_t index_of_nearest(const Geometry& grid, const Point& point) {
+template <typename Value>
+std::int64_t index_of_nearest(const Grid<Value>& grid, const Point& point) {
   const std::int64_t row = std::clamp<std::int64_t>(row_of(grid, point.y), 0, grid.rows - 1);
   const std::int64_t column = std::clamp<std::int64_t>(column_of(grid, point.x), 0, grid.columns - 1);
-  return row * grid.columns + column;
+  return grid.index(row, column);
 }
 
-Point centre_of(const Geometry& grid, std::int64_t index) {
-  return {(static_cast<double>(index % grid.columns) + 0.5) * grid.resolution + grid.origin_x,
-          (static_cast<double>(index / grid.columns) + 0.5) * grid.resolution + grid.origin_y};
+template <typename Value>
+Point centre_of(const Grid<Value>& grid, std::int64_t index) {
+  return grid.middle_of(index / grid.columns, index % grid.columns);
 }
 
 // Writes to `clear` which of n pairs of cells see each other, group by group.
-void look(const Geometry& fine, const std::uint8_t* blocked, const std::vector<std::int64_t>& starts,
+void look(const Grid<std::uint8_t>& blocked, const std::vector<std::int64_t>& starts,
           const std::vector<std::int64_t>& ends, const std::int64_t* groups, std::size_t n, bool* clear) {
   for (std::size_t first = 0, next = 0; first < n; first = next) {
     while (next < n && groups[next] == groups[first]) ++next;
-    lines_are_clear(blocked, fine.rows, fine.columns, &starts[2 * first], &ends[2 * first], next - first,
-                    clear + first);
+    lines_are_clear(blocked, &starts[2 * first], &ends[2 * first], next - first, clear + first);
   }
 }
 
@@ -48,18 +50,17 @@ struct Candidate {
 };
 
 // Every third of the reachable cells around a point, from near to far, by rows where they are as near.
-std::vector<std::int64_t> cells_around(const Geometry& coarse, const std::uint8_t* reachable, const Point& point,
-                                       double view_distance) {
-  const std::int64_t row = row_of(coarse, point.y), column = column_of(coarse, point.x);
-  const auto reach = static_cast<std::int64_t>(view_distance / coarse.resolution);
+std::vector<std::int64_t> cells_around(const Grid<std::uint8_t>& reachable, const Point& point, double view_distance) {
+  const std::int64_t row = row_of(reachable, point.y), column = column_of(reachable, point.x);
+  const auto reach = static_cast<std::int64_t>(view_distance / reachable.resolution);
   std::vector<Candidate> found;
-  const std::int64_t bottom = std::min<std::int64_t>(row + reach, coarse.rows - 1);
-  const std::int64_t right = std::min<std::int64_t>(column + reach, coarse.columns - 1);
+  const std::int64_t bottom = std::min<std::int64_t>(row + reach, reachable.rows - 1);
+  const std::int64_t right = std::min<std::int64_t>(column + reach, reachable.columns - 1);
   for (std::int64_t r = std::max<std::int64_t>(row - reach, 0); r <= bottom; ++r) {
     for (std::int64_t c = std::max<std::int64_t>(column - reach, 0); c <= right; ++c) {
-      const std::int64_t cell = r * coarse.columns + c;
-      if (!reachable[cell]) continue;
-      found.push_back({std::hypot(static_cast<double>(r - row), static_cast<double>(c - column)), cell});
+      if (!reachable.at(r, c)) continue;
+      const double gap = std::hypot(static_cast<double>(r - row), static_cast<double>(c - column));
+      found.push_back({gap, reachable.index(r, c)});
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) { return a.gap < b.gap; });
@@ -68,49 +69,48 @@ std::vector<std::int64_t> cells_around(const Geometry& coarse, const std::uint8_
   return cells;
 }
 
-std::int64_t search(const Geometry& coarse, const std::uint8_t* reachable, const Geometry& fine,
-                    const std::uint8_t* blocked, const Point& point, double view_distance) {
-  const std::vector<std::int64_t> cells = cells_around(coarse, reachable, point, view_distance);
+std::int64_t search(const Grid<std::uint8_t>& reachable, const Grid<std::uint8_t>& blocked, const Point& point,
+                    double view_distance) {
+  const std::vector<std::int64_t> cells = cells_around(reachable, point, view_distance);
   std::vector<std::int64_t> starts, ends;
   for (const std::int64_t cell : cells) {
-    const Point place = centre_of(coarse, cell);
-    starts.insert(starts.end(), {row_of(fine, place.y), column_of(fine, place.x)});
-    ends.insert(ends.end(), {row_of(fine, point.y), column_of(fine, point.x)});
+    const Point place = centre_of(reachable, cell);
+    starts.insert(starts.end(), {row_of(blocked, place.y), column_of(blocked, place.x)});
+    ends.insert(ends.end(), {row_of(blocked, point.y), column_of(blocked, point.x)});
   }
   const std::int64_t samples = longest_line(starts.data(), ends.data(), cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Point place = centre_of(coarse, cells[i]);
+    const Point place = centre_of(reachable, cells[i]);
     if (std::hypot(place.x - point.x, place.y - point.y) > view_distance) continue;
-    if (line_is_clear(blocked, fine.rows, fine.columns, &starts[2 * i], &ends[2 * i], samples)) return cells[i];
+    if (line_is_clear(blocked, &starts[2 * i], &ends[2 * i], samples)) return cells[i];
   }
   return -1;
 }
 
 }  // namespace
 
-void search_views(const Geometry& coarse, const std::uint8_t* reachable, const Geometry& fine,
-                  const std::uint8_t* blocked, const double* points, std::size_t n, double view_distance,
-                  std::int64_t* views) {
+void search_views(const Grid<std::uint8_t>& reachable, const Grid<std::uint8_t>& blocked, const double* points,
+                  std::size_t n, double view_distance, std::int64_t* views) {
   for (std::size_t i = 0; i < n; ++i) {
-    views[i] = search(coarse, reachable, fine, blocked, {points[2 * i], points[2 * i + 1]}, view_distance);
+    views[i] = search(reachable, blocked, {points[2 * i], points[2 * i + 1]}, view_distance);
   }
 }
 
-void nearest_views(const Geometry& coarse, const std::int32_t* labels, const std::int64_t* places, const Geometry& fine,
-                   const std::uint8_t* blocked, const double* points, const std::int64_t* groups, std::size_t n,
-                   double view_distance, std::int64_t* views) {
+void nearest_views(const Grid<std::int32_t>& labels, const std::int64_t* places, const Grid<std::uint8_t>& blocked,
+                   const double* points, const std::int64_t* groups, std::size_t n, double view_distance,
+                   std::int64_t* views) {
   std::vector<std::int64_t> starts, ends;
   for (std::size_t i = 0; i < n; ++i) {
     const Point point{points[2 * i], points[2 * i + 1]};
-    views[i] = places[labels[index_of_nearest(coarse, point)] - 1];
-    const Point place = centre_of(coarse, views[i]);
-    starts.insert(starts.end(), {row_of(fine, place.y), column_of(fine, place.x)});
-    ends.insert(ends.end(), {row_of(fine, point.y), column_of(fine, point.x)});
+    views[i] = places[labels.values[index_of_nearest(labels, point)] - 1];
+    const Point place = centre_of(labels, views[i]);
+    starts.insert(starts.end(), {row_of(blocked, place.y), column_of(blocked, place.x)});
+    ends.insert(ends.end(), {row_of(blocked, point.y), column_of(blocked, point.x)});
   }
   const auto clear = std::make_unique<bool[]>(n);
-  look(fine, blocked, starts, ends, groups, n, clear.get());
+  look(blocked, starts, ends, groups, n, clear.get());
   for (std::size_t i = 0; i < n; ++i) {
-    const Point place = centre_of(coarse, views[i]);
+    const Point place = centre_of(labels, views[i]);
     const double gap = std::hypot(place.x - points[2 * i], place.y - points[2 * i + 1]);
     if (!clear[i] || gap > view_distance) views[i] = -1;
   }

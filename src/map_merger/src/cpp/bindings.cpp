@@ -41,7 +41,8 @@ Raster to_raster(const Flags& cells, double resolution, const PoseTuple& origin)
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
   require(std::isfinite(resolution) && resolution > 0.0, "a resolution is positive");
   require(std::isfinite(std::get<0>(origin) + std::get<1>(origin) + std::get<2>(origin)), "an origin is finite");
-  return {bytes_of(cells), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)), resolution,
+  return {{bytes_of(cells), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1))},
+          resolution,
           to_pose(origin)};
 }
 
@@ -98,7 +99,7 @@ py::tuple border(const py::array_t<std::int64_t, py::array::c_style | py::array:
                  const Flags& free, double resolution, const PoseTuple& origin) {
   require(obstacles.ndim() == 2 && obstacles.shape(1) == 2, "obstacles need the shape (n, 2)");
   const Raster raster = to_raster(free, resolution, origin);
-  std::vector<ObstacleCell> cells(static_cast<std::size_t>(obstacles.shape(0)));
+  std::vector<mr_grid::Cell> cells(static_cast<std::size_t>(obstacles.shape(0)));
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::int64_t row = obstacles.data()[2 * i], column = obstacles.data()[2 * i + 1];
     require(row >= 0 && column >= 0 && row < raster.rows && column < raster.columns, "an obstacle is off the map");
@@ -147,7 +148,7 @@ Flags without_discs(const Flags& cells,
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
   require(places.ndim() == 2 && places.shape(1) == 2, "places need the shape (n, 2)");
   require(radius >= 0.0 && radius < 1000.0, "a radius is 0 to 1000 cells");
-  std::vector<ObstacleCell> centres;
+  std::vector<mr_grid::Cell> centres;
   for (py::ssize_t i = 0; i < places.shape(0); ++i) {
     const std::int64_t row = places.at(i, 0), column = places.at(i, 1);
     require(row >= 0 && column >= 0 && row < cells.shape(0) && column < cells.shape(1), "a place is off the map");

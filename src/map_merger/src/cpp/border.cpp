@@ -50,7 +50,7 @@ int pattern_at(const Mask& mask, std::int64_t row, std::int64_t column) {
 
 // Second moments of the obstacles in the window around a cell, the cell itself among them. The mask has kReach rows and
 // columns more than the map on each side.
-Direction direction_at(const Mask& mask, const ObstacleCell& cell) {
+Direction direction_at(const Mask& mask, const mr_grid::Cell& cell) {
   static const std::array<RowSums, kPatterns> patterns = sums_of_patterns();
   int cells = 0, r = 0, c = 0, rr = 0, cc = 0, rc = 0;
   for (int row = -kReach; row <= kReach; ++row) {
@@ -68,7 +68,7 @@ Direction direction_at(const Mask& mask, const ObstacleCell& cell) {
   return {std::cos(tangent), -std::sin(tangent), anisotropy};
 }
 
-bool free_beside(const Raster& free, const ObstacleCell& cell, double row_step, double column_step) {
+bool free_beside(const Raster& free, const mr_grid::Cell& cell, double row_step, double column_step) {
   const int row = static_cast<int>(std::nearbyint(cell.row + kFreeBeside * row_step));
   const int column = static_cast<int>(std::nearbyint(cell.column + kFreeBeside * column_step));
   return free.at(std::clamp(row, 0, free.rows - 1), std::clamp(column, 0, free.columns - 1));
@@ -76,15 +76,15 @@ bool free_beside(const Raster& free, const ObstacleCell& cell, double row_step, 
 
 }  // namespace
 
-std::vector<BorderPoint> border_of(const std::vector<ObstacleCell>& cells, const Raster& free) {
+std::vector<BorderPoint> border_of(const std::vector<mr_grid::Cell>& cells, const Raster& free) {
   Mask mask(free.rows + 2 * kReach, free.columns + 2 * kReach);
-  for (const ObstacleCell& cell : cells) {
+  for (const mr_grid::Cell& cell : cells) {
     const std::int64_t column = cell.column + kReach;
     mask.row(cell.row + kReach)[column >> 6] |= std::uint64_t{1} << (column & 63);
   }
   std::vector<Direction> directions;
   directions.reserve(cells.size());
-  for (const ObstacleCell& cell : cells) directions.push_back(direction_at(mask, cell));
+  for (const mr_grid::Cell& cell : cells) directions.push_back(direction_at(mask, cell));
   const Frame frame(free.origin);
   std::vector<BorderPoint> border;
   for (const double side : {1.0, -1.0}) {

@@ -2,24 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <mr_grid/cells.hpp>
 #include <vector>
 
 #include "oriented_point.hpp"
 
 namespace map_merger {
 
-// A grid of rows * columns cells, one byte each; cell (0, 0) has its corner at the origin.
-struct Raster {
-  const std::uint8_t* cells;
-  int rows, columns;
+// Cells that lie in a frame at an angle, cell (0, 0) with its corner at the origin.
+struct Raster : mr_grid::Cells<std::uint8_t> {
   double resolution;  // m per cell
   Pose origin;
-
-  std::uint8_t at(int row, int column) const { return cells[static_cast<std::int64_t>(row) * columns + column]; }
-};
-
-struct ObstacleCell {
-  int row, column;
 };
 
 struct BorderPoint {
@@ -29,6 +22,6 @@ struct BorderPoint {
 
 // Of each obstacle cell of `cells` the faces to `free` cells: first those on one side of all walls, then those on the
 // other. Cells whose surroundings are no line have none.
-std::vector<BorderPoint> border_of(const std::vector<ObstacleCell>& cells, const Raster& free);
+std::vector<BorderPoint> border_of(const std::vector<mr_grid::Cell>& cells, const Raster& free);
 
 }  // namespace map_merger

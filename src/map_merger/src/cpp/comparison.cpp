@@ -32,7 +32,7 @@ Comparison compare(const SurfaceIndex& target, const Raster& known, const std::u
     ++result.inside;
     const std::ptrdiff_t partner = partner_of(target, moved, tolerance);
     if (partner < 0) {
-      result.contradicted += clear[static_cast<std::int64_t>(r) * known.columns + c] && solid[i];
+      result.contradicted += clear[known.index(r, c)] && solid[i];
       continue;
     }
     ++result.matched;

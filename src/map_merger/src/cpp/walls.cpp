@@ -22,8 +22,8 @@ Walls walls_of(const Mask& obstacles, std::int64_t smallest, double largest_move
   return walls;
 }
 
-void clear_discs(std::uint8_t* cells, std::int64_t rows, std::int64_t columns, const std::vector<ObstacleCell>& centres,
-                 double radius) {
+void clear_discs(std::uint8_t* cells, std::int64_t rows, std::int64_t columns,
+                 const std::vector<mr_grid::Cell>& centres, double radius) {
   const auto reach = static_cast<std::int64_t>(radius);
   std::vector<std::int64_t> across;  // by the distance in rows
   for (std::int64_t down = 0; down <= reach; ++down) {
@@ -31,7 +31,7 @@ void clear_discs(std::uint8_t* cells, std::int64_t rows, std::int64_t columns, c
     while (std::hypot(static_cast<double>(down), static_cast<double>(most)) > radius && most > 0) --most;
     across.push_back(most);
   }
-  for (const ObstacleCell& centre : centres) {
+  for (const mr_grid::Cell& centre : centres) {
     for (std::int64_t step = -reach; step <= reach; ++step) {
       const std::int64_t row = centre.row + step, most = across[static_cast<std::size_t>(std::abs(step))];
       if (row < 0 || row >= rows) continue;

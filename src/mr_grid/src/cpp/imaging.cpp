@@ -31,6 +31,10 @@ void require(bool condition, const char* text) {
   if (!condition) throw std::invalid_argument(text);
 }
 
+using Pair = std::pair<double, double>;  // x, y in m
+
+mr_grid::Point to_point(const Pair& place) { return {place.first, place.second}; }
+
 void require_image(const py::array& array) {
   require(array.ndim() == 2 && array.size() > 0, "an array of shape (rows, columns) that is not empty is needed");
 }
@@ -152,13 +156,19 @@ void draw_circle(py::array_t<std::uint8_t, py::array::c_style> image, int column
   cv::circle(onto, {column, row}, radius, grey, 1);
 }
 
+mr_grid::Grid<std::int8_t> to_grid(const Array<std::int8_t>& cells, double resolution, const Pair& origin) {
+  return {
+      {cells.data(), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1))}, resolution, to_point(origin)};
+}
+
 py::array_t<std::int64_t> robot_traces(const Array<std::int8_t>& cells, int occupied_from, double resolution,
-                                       const mr_grid::Place& origin, const std::vector<mr_grid::Place>& places,
-                                       double most_apart, double largest) {
+                                       const Pair& origin, const std::vector<Pair>& places, double most_apart,
+                                       double largest) {
   require(cells.ndim() == 2, "cells of shape (rows, columns) are needed");
-  const int rows = static_cast<int>(cells.shape(0)), columns = static_cast<int>(cells.shape(1));
-  const mr_grid::Grid grid{cells.data(), rows, columns, occupied_from, resolution, origin};
-  const std::vector<mr_grid::Cell> found = mr_grid::robot_traces(grid, places, most_apart, largest);
+  const mr_grid::OccupancyGrid grid{to_grid(cells, resolution, origin), occupied_from};
+  std::vector<mr_grid::Point> points(places.size());
+  std::transform(places.begin(), places.end(), points.begin(), to_point);
+  const std::vector<mr_grid::Cell> found = mr_grid::robot_traces(grid, points, most_apart, largest);
   py::array_t<std::int64_t> result({static_cast<py::ssize_t>(found.size()), py::ssize_t{2}});
   auto at = result.mutable_unchecked<2>();
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -169,19 +179,17 @@ py::array_t<std::int64_t> robot_traces(const Array<std::int8_t>& cells, int occu
 }
 
 // One pass over the points: with numpy it takes a dozen, each through all of the memory.
-py::array_t<std::int8_t> values_at(const Array<std::int8_t>& cells, double resolution, const mr_grid::Place& origin,
+py::array_t<std::int8_t> values_at(const Array<std::int8_t>& cells, double resolution, const Pair& origin,
                                    const Array<double>& points, std::int8_t outside) {
   require(cells.ndim() == 2, "cells of shape (rows, columns) are needed");
   require(points.ndim() == 2 && points.shape(1) == 2, "points of shape (n, 2) are needed");
-  const std::int64_t columns = cells.shape(1);
-  const double width = static_cast<double>(columns), height = static_cast<double>(cells.shape(0));
+  const auto grid = to_grid(cells, resolution, origin);
   py::array_t<std::int8_t> values(points.shape(0));
   std::int8_t* value = values.mutable_data();
   const double* point = points.data();
   for (const double* end = point + points.size(); point != end; point += 2, ++value) {
-    const double x = (point[0] - origin.first) / resolution, y = (point[1] - origin.second) / resolution;
-    const bool inside = x >= 0.0 && x < width && y >= 0.0 && y < height;
-    *value = inside ? cells.data()[static_cast<std::int64_t>(y) * columns + static_cast<std::int64_t>(x)] : outside;
+    const auto index = grid.index_of({point[0], point[1]});
+    *value = index ? grid.values[*index] : outside;
   }
   return values;
 }

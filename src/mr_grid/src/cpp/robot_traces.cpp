@@ -17,7 +17,7 @@ struct Window {
 // Takes the obstacles of a window one by one, each of cells that hang together (8 neighbours).
 class Obstacles {
  public:
-  Obstacles(const Grid& grid, const Window& window)
+  Obstacles(const OccupancyGrid& grid, const Window& window)
       : grid_(grid), window_(window), taken_(static_cast<std::size_t>(window.width()) * window.height()) {}
 
   // The cells of the obstacle that has this one; none where there is none, or when it was taken before.
@@ -42,13 +42,14 @@ class Obstacles {
     taken = 1;
   }
 
-  const Grid& grid_;
+  const OccupancyGrid& grid_;
   Window window_;
   std::vector<std::uint8_t> taken_;
   std::vector<Cell> cells_;
 };
 
-bool is_robot(const std::vector<Cell>& cells, const Grid& grid, const Place& place, double most_apart, double largest) {
+bool is_robot(const std::vector<Cell>& cells, const OccupancyGrid& grid, const Point& place, double most_apart,
+              double largest) {
   if (cells.empty()) return false;
   Cell low = cells.front(), high = low;
   double rows = 0.0, columns = 0.0;
@@ -61,30 +62,31 @@ bool is_robot(const std::vector<Cell>& cells, const Grid& grid, const Place& pla
   const int extent = std::max(high.row - low.row, high.column - low.column) + 1;
   if (extent * grid.resolution > largest + 1e-9) return false;
   const double count = static_cast<double>(cells.size());
-  const double x = grid.origin.first + (columns / count + 0.5) * grid.resolution;
-  const double y = grid.origin.second + (rows / count + 0.5) * grid.resolution;
-  return std::hypot(x - place.first, y - place.second) <= most_apart;
+  const double x = grid.origin.x + (columns / count + 0.5) * grid.resolution;
+  const double y = grid.origin.y + (rows / count + 0.5) * grid.resolution;
+  return std::hypot(x - place.x, y - place.y) <= most_apart;
 }
 
-Window around(const Place& place, const Grid& grid, int reach) {
+Window around(const Point& place, const OccupancyGrid& grid, int reach) {
   // Bounded before it becomes an integer: a place may be anywhere, and nowhere.
   const auto cell = [&](double along, double from, int count) {
     const double least = -1.0 - reach, most = 1.0 * count + reach,
                  number = std::floor((along - from) / grid.resolution);
     return static_cast<int>(std::isnan(number) ? least : std::clamp(number, least, most));
   };
-  const int row = cell(place.second, grid.origin.second, grid.rows);
-  const int column = cell(place.first, grid.origin.first, grid.columns);
+  const int row = cell(place.y, grid.origin.y, grid.rows);
+  const int column = cell(place.x, grid.origin.x, grid.columns);
   return {std::max(0, row - reach), std::max(0, column - reach), std::min(grid.rows, row + reach + 1),
           std::min(grid.columns, column + reach + 1)};
 }
 
 }  // namespace
 
-std::vector<Cell> robot_traces(const Grid& grid, const std::vector<Place>& places, double most_apart, double largest) {
+std::vector<Cell> robot_traces(const OccupancyGrid& grid, const std::vector<Point>& places, double most_apart,
+                               double largest) {
   const int reach = static_cast<int>((most_apart + largest) / grid.resolution) + 2;
   std::vector<Cell> found;
-  for (const Place& place : places) {
+  for (const Point& place : places) {
     const Window window = around(place, grid, reach);
     Obstacles obstacles(grid, window);
     for (int row = window.top; row < window.bottom; ++row) {

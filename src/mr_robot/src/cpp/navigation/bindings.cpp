@@ -83,6 +83,13 @@ Cells descend_grid(const Floats& cost, std::pair<int, int> cell, int most) {
   return descend(cost.data(), rows, columns, cell.first, cell.second, most);
 }
 
+template <typename Value, int flags>
+mr_grid::Grid<Value> to_grid(const py::array_t<Value, flags>& values, double resolution, const Pair& origin) {
+  return {{values.data(), static_cast<int>(values.shape(0)), static_cast<int>(values.shape(1))},
+          resolution,
+          {origin.first, origin.second}};
+}
+
 // A map that keeps the array it looks at.
 struct OwnedMap {
   Bytes cells;
@@ -91,9 +98,7 @@ struct OwnedMap {
 
 OwnedMap own_map(const Bytes& cells, double resolution, const Pair& origin) {
   require(cells.ndim() == 2, "cells need the shape (rows, columns)");
-  return {cells,
-          {cells.data(), static_cast<int>(cells.shape(0)), static_cast<int>(cells.shape(1)), resolution, origin.first,
-           origin.second}};
+  return {cells, to_grid(cells, resolution, origin)};
 }
 
 // Walls that keep the arrays they look at.
@@ -145,14 +150,7 @@ std::vector<Obstacle> to_obstacles(const Doubles& rows) {
 
 Field to_field(const Floats& cost, double resolution, const Pair& origin, const Pair& goal) {
   require(cost.ndim() == 2, "the cost to go needs the shape (rows, columns)");
-  return {cost.data(),
-          static_cast<int>(cost.shape(0)),
-          static_cast<int>(cost.shape(1)),
-          resolution,
-          origin.first,
-          origin.second,
-          goal.first,
-          goal.second};
+  return {to_grid(cost, resolution, origin), {goal.first, goal.second}};
 }
 
 py::tuple choose_velocity(const Floats& cost, double resolution, const Pair& origin, const Pair& goal,

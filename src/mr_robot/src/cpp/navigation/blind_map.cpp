@@ -12,12 +12,11 @@ std::vector<Point> walls_near(const Map& map, const Pose& pose, double reach) {
   const auto last = [&](double to, int count) {
     return static_cast<int>(std::clamp(std::floor(to), -1.0, count - 1.0));
   };
-  const double column = (pose.x - map.origin_x) / map.resolution, row = (pose.y - map.origin_y) / map.resolution;
+  const double column = (pose.x - map.origin.x) / map.resolution, row = (pose.y - map.origin.y) / map.resolution;
   const double cells = reach / map.resolution;
   for (int r = first(row - cells); r <= last(row + cells, map.rows); ++r) {
     for (int c = first(column - cells); c <= last(column + cells, map.columns); ++c) {
-      if (map.cells[static_cast<std::size_t>(r) * map.columns + c] <= 50) continue;
-      points.push_back({map.origin_x + (c + 0.5) * map.resolution, map.origin_y + (r + 0.5) * map.resolution});
+      if (map.at(r, c) > 50) points.push_back(map.middle_of(r, c));
     }
   }
   return points;
@@ -26,14 +25,14 @@ std::vector<Point> walls_near(const Map& map, const Pose& pose, double reach) {
 }  // namespace
 
 bool is_wall(const Walls& walls, const Point& point, double within) {
-  const auto cell = cell_of(walls.map, point.x, point.y);
-  return cell && walls.distance[*cell] < static_cast<float>(within);
+  const auto index = walls.map.index_of(point);
+  return index && walls.distance[*index] < static_cast<float>(within);
 }
 
 BlindMap::BlindMap(const Walls& merged, const Map* own, const Pose& pose, double reach)
     : merged_(merged.map), own_(own), surface_(merged.same_surface()) {
   for (const Point& wall : walls_near(merged.map, pose, reach)) {
-    if (own == nullptr || !is_known(*own, wall.x, wall.y)) walls_.push_back({wall, own != nullptr});
+    if (own == nullptr || !is_known(*own, wall)) walls_.push_back({wall, own != nullptr});
   }
   if (own == nullptr) return;
   for (const Point& wall : walls_near(*own, pose, reach)) {
@@ -42,7 +41,7 @@ BlindMap::BlindMap(const Walls& merged, const Map* own, const Pose& pose, double
 }
 
 bool BlindMap::is_open(const Point& point) const {
-  const bool known = (own_ != nullptr && is_known(*own_, point.x, point.y)) || is_known(merged_, point.x, point.y);
+  const bool known = (own_ != nullptr && is_known(*own_, point)) || is_known(merged_, point);
   return known && std::none_of(walls_.begin(), walls_.end(),
                                [&](const Wall& wall) { return within(wall.place, point, surface_); });
 }

@@ -96,7 +96,7 @@ class Search {
     const Node& node = nodes_[index];
     const bool roomy = body_.roomy(node.pose);
     const double off = std::hypot(node.pose.x - start_.x, node.pose.y - start_.y);
-    const double at_goal = std::hypot(node.pose.x - field_.goal_x, node.pose.y - field_.goal_y);
+    const double at_goal = std::hypot(node.pose.x - field_.goal.x, node.pose.y - field_.goal.y);
     if (roomy && !starts_roomy_ && roomiest_ < 0) roomiest_ = index;
     const bool ends = roomy ? !starts_roomy_ || node.way >= 2.0 * kStep : off >= kReach - kStep || at_goal < kStep;
     if (!ends || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
@@ -158,7 +158,7 @@ class Search {
     const mr_grid::Frame body(pose);
     for (const double side : {-1.0, 0.0, 1.0}) {
       const Point place = body * Point{-footprint_.half_length, side * footprint_.half_width};
-      if (!is_known(map_, place.x, place.y)) return true;
+      if (!is_known(map_, place)) return true;
     }
     return false;
   }

@@ -52,7 +52,7 @@ End drive(const Field* field, Pose pose, double linear, double target, const std
     visit(pose);
     ++steps;
     if (field == nullptr) continue;
-    const double dx = pose.x - field->goal_x, dy = pose.y - field->goal_y;
+    const double dx = pose.x - field->goal.x, dy = pose.y - field->goal.y;
     if (dx * dx + dy * dy < near) return {pose, steps * horizon.step};
   }
   return {pose};
@@ -133,15 +133,15 @@ std::vector<double> speeds(const Limits& limits) {
 }  // namespace
 
 double cost_at(const Field& field, double x, double y) {
-  const double column = (x - field.origin_x) / field.resolution - 0.5;
-  const double row = (y - field.origin_y) / field.resolution - 0.5;
+  const double column = (x - field.origin.x) / field.resolution - 0.5;
+  const double row = (y - field.origin.y) / field.resolution - 0.5;
   const int c = static_cast<int>(std::floor(column)), r = static_cast<int>(std::floor(row));
   double sum = 0.0, weights = 0.0;
   for (int dr = 0; dr < 2; ++dr) {
     for (int dc = 0; dc < 2; ++dc) {
       const int rr = r + dr, cc = c + dc;
-      if (rr < 0 || cc < 0 || rr >= field.rows || cc >= field.columns) continue;
-      const float cost = field.cost[static_cast<std::size_t>(rr) * field.columns + cc];
+      if (!field.contains(rr, cc)) continue;
+      const float cost = field.at(rr, cc);
       if (!std::isfinite(cost)) continue;
       const double weight = (1.0 - std::abs(column - cc)) * (1.0 - std::abs(row - rr));
       sum += weight * cost;

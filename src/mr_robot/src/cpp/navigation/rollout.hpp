@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mr_grid/cells.hpp>
 #include <optional>
 #include <vector>
 
@@ -45,11 +46,8 @@ struct Horizon {
 };
 
 // Cost to go on a grid, in cells of time at full speed.
-struct Field {
-  const float* cost;
-  int rows, columns;
-  double resolution, origin_x, origin_y;  // m
-  double goal_x, goal_y;                  // m
+struct Field : mr_grid::Grid<float> {
+  Point goal;  // m
 };
 
 // Between cells; infinity where there is no way.
