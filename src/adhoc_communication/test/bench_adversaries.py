@@ -3,7 +3,7 @@
     bench_adversaries [--out FILE]
 
 Each row: {what, bar, value, unit, holds, detail}. What each adversary does stands in
-test/engine/test_adversary_suite.cpp; a test fails when a robot is deafened, a packet is not delivered, or a table
+test/engine/test_adversary_suite.cpp and test_own_address.cpp; a test fails when a robot is deafened, a packet is not delivered, or a table
 outgrows its bound.
 """
 
@@ -19,7 +19,7 @@ from namespaces import program
 
 SEEDS = range(1, 11)  # of the radio and the robots
 DEFAULT_SEEDS = range(1, 4)  # those with packets of the default's size, which take longer
-PROCESSES = 11  # of each such seed, so that what the allocator keeps of one adversary is not counted for the next
+PROCESSES = 18  # of each such seed, so that what the allocator keeps of one adversary is not counted for the next
 MOST_MEMORY = 64  # MB, of the process with all its robots
 SUITES = (("open team", "Open/AdversarySuite*"), ("sealed team", "Sealed/AdversarySuite*"))
 PACKET = 1_000_000  # octets of the largest packet that robots take

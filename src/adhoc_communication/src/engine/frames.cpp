@@ -19,12 +19,18 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
   if (lost_artificially(header.type)) return;
   ++statistics_.frames_received_by_type[static_cast<std::size_t>(header.type)];
   statistics_.bytes_received_by_type[static_cast<std::size_t>(header.type)] += octets;
-  if (!admission_.admits(*opened, now) || !hear(header, now)) return;
+  if (!admission_.admits(*opened, now)) return ask_in_doubt(header.sender, now);
+  if (!hear(header, now)) return;
   const bool wants_acknowledgment =
       header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0;
   if (wants_acknowledgment && !hops_.take(header, now)) return;
   dispatch(header, opened->body, now);
   forget_evicted(now);
+}
+
+/// Another run may live at that address than the one that is known.
+void Engine::Implementation::ask_in_doubt(const MacAddress& robot, Time now) {
+  if (runs_.wants_answer(robot, now)) presence_.ask(robot, now);
 }
 
 /// Enters the sender into the table of neighbours; false if there is no room for it.

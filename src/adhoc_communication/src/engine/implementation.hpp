@@ -72,6 +72,7 @@ class Engine::Implementation {
 
   // frames.cpp: frames in.
   bool lost_artificially(wire::FrameType type);
+  void ask_in_doubt(const MacAddress& robot, Time now);
   bool hear(const wire::FrameHeader& header, Time now);
   void dispatch(const wire::FrameHeader& header, wire::Reader body, Time now);
   void on_data(const MacAddress& from, wire::Data data, Time now);

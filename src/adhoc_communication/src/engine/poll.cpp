@@ -22,7 +22,10 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
   }
   announce_changes(now);
   expire_sends(now);
-  for (const MacAddress& neighbor : hops_.expire(now)) link_lost(neighbor, now);
+  for (const MacAddress& neighbor : hops_.expire(now)) {
+    link_lost(neighbor, now);
+    ask_in_doubt(neighbor, now);
+  }
   for (const transport::Undelivered& packet : streams_.serve(now)) finish(packet.id, false, packet.reason, now);
   receivers_.acknowledge(now);
   router_.poll(now);

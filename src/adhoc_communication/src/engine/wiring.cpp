@@ -34,6 +34,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       random_(seed),
       rhythm_(options_.beacon_interval, random_, now),
       neighbors_(options_.timings, options_.beacon_interval),
+      runs_(options_.num_link_retrans > 0),
       admission_(self_, guard_, runs_, neighbors_, rhythm_, statistics_.frames_dropped),
       directory_(runs_, self_.name),
       air_(static_cast<std::size_t>(std::min(options_.max_frame_size, options_.mtu))),

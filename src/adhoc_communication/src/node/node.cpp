@@ -113,7 +113,8 @@ HostCallbacks Node::callbacks() {
           [this](const std::string& text) { ROS_WARN("Interface %s: %s", options_.interface.c_str(), text.c_str()); },
           end_node,
           [](const std::string& robot) {
-            ROS_ERROR("Two robots are called %s: give each its own ~robot_name", robot.c_str());
+            ROS_ERROR("Two robots are called %s, or use its hardware address: give each its own ~robot_name",
+                      robot.c_str());
           },
           [this](std::vector<Record> records, Time now) { record_log_.add(std::move(records), now); }};
 }

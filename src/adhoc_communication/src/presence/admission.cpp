@@ -27,6 +27,12 @@ bool Admission::proves_itself(const security::OpenedFrame& opened, Time now) {
   return false;
 }
 
+bool Admission::answers(const security::OpenedFrame& opened) const {
+  if (opened.header.type != FrameType::kHopAcknowledgment) return false;
+  const auto acknowledgment = wire::read_hop_acknowledgment(opened.body);
+  return acknowledgment && acknowledgment->boot == self_.boot;
+}
+
 /// The frame is one of the run that lives.
 bool Admission::lives(const security::OpenedFrame& opened, Time now) {
   const wire::FrameHeader& header = opened.header;
@@ -34,7 +40,9 @@ bool Admission::lives(const security::OpenedFrame& opened, Time now) {
   if (header.type == FrameType::kBeacon && !runs_.lives(header.sender, boot)) {
     if (const auto beacon = wire::read_beacon(opened.body)) runs_.beacon(header.sender, boot, beacon->alive, now);
   }
-  return runs_.heard(header.sender, boot, header.counter, now);
+  if (runs_.heard(header.sender, boot, header.counter, now, answers(opened))) return true;
+  ++dropped_.unproven;
+  return false;
 }
 
 }  // namespace adhoc_communication::presence

@@ -18,6 +18,7 @@ class Admission {
 
  private:
   bool proves_itself(const security::OpenedFrame& opened, Time now);
+  bool answers(const security::OpenedFrame& opened) const;
   bool lives(const security::OpenedFrame& opened, Time now);
 
   const Identity& self_;

@@ -44,11 +44,16 @@ void Presence::probe_doubtful(Time now) {
   for (const MacAddress& neighbor : neighbors_.doubtful(now)) {
     const Time last_heard = neighbors_.find(neighbor)->last_heard;
     const bool is_elsewhere = neighbors_.silent(neighbor, now) && directory_.has_news_since(neighbor, last_heard);
-    if (is_elsewhere || !hops_.idle(neighbor)) continue;
-    wire::Beacon beacon = plain_beacon(now);
-    beacon.heard.push_back({wire::neighbor_tag(neighbors_.find(neighbor)->boot), 0});
-    hops_.unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
+    if (!is_elsewhere) ask(neighbor, now);
   }
+}
+
+void Presence::ask(const MacAddress& neighbor, Time now) {
+  const routing::Neighbor* known = neighbors_.find(neighbor);
+  if (known == nullptr || !hops_.idle(neighbor)) return;
+  wire::Beacon beacon = plain_beacon(now);
+  beacon.heard.push_back({wire::neighbor_tag(known->boot), 0});
+  hops_.unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
 }
 
 void Presence::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now) {

@@ -25,6 +25,8 @@ class Presence {
   void on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now);
   /// Asks neighbours that have become quiet for an acknowledgment: a few beacons may just have been lost.
   void probe_doubtful(Time now);
+  /// The same of one neighbour, unless frames to it await an answer already.
+  void ask(const MacAddress& neighbor, Time now);
 
  private:
   wire::Beacon plain_beacon(Time now) const;

@@ -15,21 +15,56 @@ void LivingRuns::beacon(const MacAddress& robot, wire::BootTag boot, std::uint32
   if (now - run->signed_at > kBeaconDelay) run->alive_at = now;
 }
 
-bool LivingRuns::heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now) {
+bool LivingRuns::heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now, bool answers) {
   Runs& runs = runs_of(robot, boot, now);
   if (runs.boot != boot) {
     if (FormerRun* run = former(runs, boot)) {
       if (counter <= run->counter) return false;
       run->counter = counter;
       if (now - run->alive_at >= kHeardRecently) return false;
-      if (++run->frames < kFramesThatProveLife && now - runs.heard < kHeardRecently) return false;
     }
+    if (!gives_way(runs, answers, now)) return false;
     displace(runs, boot);
+  }
+  if (answers && runs.rival.doubted) {
+    runs.rival.doubted.reset();
+    runs.rival.trusted_until = now + kTrust;
   }
   runs.heard = now;
   runs.news = now;
   runs.counter = std::max(runs.counter, counter);
   return true;
+}
+
+/// Another run is heard.
+bool LivingRuns::gives_way(Runs& runs, bool to_who_answers, Time now) {
+  if (now - runs.heard >= kGone) return true;
+  Rival& rival = runs.rival;
+  if (now - rival.last >= kHeardRecently) rival = {now, now, std::nullopt, rival.asked, rival.trusted_until};
+  rival.last = now;
+  last_rival_ = now;
+  if (now < rival.trusted_until) return false;
+  if (!rival.doubted) rival.doubted = now;
+  const Time silence = now - std::max(runs.heard, *rival.doubted);
+  if (!asks_) return silence >= kUnheardUnasked;
+  const int patience = to_who_answers ? 1 : 2;
+  return silence >= patience * kUnheard || now - *rival.doubted >= patience * kUnanswered;
+}
+
+bool LivingRuns::wants_answer(const MacAddress& robot, Time now) {
+  const auto found = robots_.find(robot);
+  if (!asks_ || found == robots_.end()) return false;
+  Rival& rival = found->second.rival;
+  if (!rival.doubted || now - rival.last >= kUnanswered || now - rival.asked < kAskAgain) return false;
+  rival.asked = now;
+  return true;
+}
+
+bool LivingRuns::contested(const MacAddress& robot, Time now) const {
+  const auto found = robots_.find(robot);
+  if (found == robots_.end()) return false;
+  const Rival& rival = found->second.rival;
+  return now - rival.last < kHeardRecently && rival.last - rival.since >= kContested;
 }
 
 bool LivingRuns::told(const MacAddress& robot, wire::BootTag boot, Time now) {
@@ -198,7 +233,7 @@ void LivingRuns::displace(Runs& runs, wire::BootTag boot) {
   runs.former.erase(
       std::remove_if(runs.former.begin(), runs.former.end(), [boot](const FormerRun& run) { return run.boot == boot; }),
       runs.former.end());
-  runs.former.push_back({runs.boot, runs.sign, runs.signed_at, runs.counter, runs.heard, 0});
+  runs.former.push_back({runs.boot, runs.sign, runs.signed_at, runs.counter, runs.heard});
   if (runs.former.size() > kMostFormerRuns) forget_one(runs);
   runs.boot = boot;
   runs.sign = next.sign;
@@ -209,7 +244,8 @@ void LivingRuns::displace(Runs& runs, wire::BootTag boot) {
   runs.said_below = {};
   runs.counter = next.counter;
   runs.reinstated = false;
-  runs.heard = -kHeardRecently;
+  runs.heard = -kGone;
+  runs.rival = {};
 }
 
 }  // namespace adhoc_communication::routing

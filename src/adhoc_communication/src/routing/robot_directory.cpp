@@ -89,28 +89,35 @@ std::vector<std::string> RobotDirectory::names() const {
 }
 
 void RobotDirectory::expire(Time now) {
+  std::set<std::string> contested;
+  const bool any_contested = runs_.any_contested(now);
   for (auto iterator = robots_.begin(); iterator != robots_.end();) {
     Robot& robot = iterator->second;
     if (robot.announced && now - robot.last_news >= patience(robot)) fall_silent(robot, iterator->first);
     if (!robot.announced && now - robot.last_news >= kForget) {
       iterator = remove(iterator);
-    } else {
-      ++iterator;
+      continue;
     }
+    if (any_contested && robot.announced && runs_.contested(iterator->first, now)) contested.insert(robot.name);
+    ++iterator;
   }
-  look_for_taken_names();
+  look_for_taken_names(contested);
 }
 
-void RobotDirectory::look_for_taken_names() {
+/// `contested`: names of robots whose address another one uses.
+void RobotDirectory::look_for_taken_names(const std::set<std::string>& contested) {
   const bool names_are_shared = by_name_.size() < robots_.size() || by_name_.count(own_name_) != 0;
-  if (!names_are_shared && reported_names_.empty()) return;
+  if (!names_are_shared && reported_names_.empty() && contested.empty()) return;
+  const auto taken = [&](const std::string& name, const std::set<MacAddress>& bearers) {
+    return contested.count(name) != 0 || ((bearers.size() > 1 || name == own_name_) && is_taken(name, bearers));
+  };
   for (auto name = reported_names_.begin(); name != reported_names_.end();) {
     const auto bearers = by_name_.find(*name);
-    const bool still = bearers != by_name_.end() && is_taken(*name, bearers->second);
+    const bool still = bearers != by_name_.end() && taken(*name, bearers->second);
     name = still ? std::next(name) : reported_names_.erase(name);
   }
   for (const auto& [name, bearers] : by_name_) {
-    if ((bearers.size() < 2 && name != own_name_) || !is_taken(name, bearers)) continue;
+    if (!taken(name, bearers)) continue;
     if (reported_names_.insert(name).second) taken_names_.push_back(name);
   }
 }

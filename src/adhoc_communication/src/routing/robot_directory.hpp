@@ -80,7 +80,8 @@ class RobotDirectory {
 
   void expire(Time now);
   std::vector<DirectoryChange> take_changes();
-  /// Names that two robots have had at the same time for kSilence, be it this one's own. Each once.
+  /// Names that two robots have had at the same time for kSilence, be it this one's own, and those of robots whose
+  /// address another one uses. Each once.
   std::vector<std::string> take_taken_names() { return std::exchange(taken_names_, {}); }
 
  private:
@@ -105,7 +106,7 @@ class RobotDirectory {
   void fall_silent(Robot& robot, const MacAddress& address);
   void set_hops(Robot& robot, std::uint8_t hops);
   void forget_name(const Robot& robot, const MacAddress& address);
-  void look_for_taken_names();
+  void look_for_taken_names(const std::set<std::string>& contested);
   bool is_taken(const std::string& name, const std::set<MacAddress>& bearers) const;
 
   LivingRuns& runs_;

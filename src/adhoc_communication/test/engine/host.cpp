@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "routing/living_runs.hpp"
 #include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
@@ -57,6 +58,15 @@ void Stage::beacon(Host& host) {
   beacon.heard.push_back({wire::neighbor_tag(self().boot()), 0});
   beacon.interval_ms = host.announced_interval_ms;
   say(host, beacon);
+}
+
+void Stage::restart(Host& host) {
+  host.boot_id[0] ^= 1;
+  const Time end = now() + routing::LivingRuns::kUnheard + std::chrono::milliseconds(50);
+  while (now() < end) {
+    beacon(host);
+    run_for(std::chrono::milliseconds(10));
+  }
 }
 
 void Stage::acknowledge(Host& host) {

@@ -81,6 +81,8 @@ class Stage {
   /// host_<number> in reach of the node; `known`: it has said so and is heard.
   Host& neighbor(std::size_t number, bool known = true);
   void beacon(Host& host);
+  /// The host starts again, and goes on until the node has asked its former run in vain.
+  void restart(Host& host);
   /// Tells the node that the host hears it, and nothing else.
   void acknowledge(Host& host);
   /// A route of so many hops by way of a neighbour, told by a reply that nobody else is meant to have.

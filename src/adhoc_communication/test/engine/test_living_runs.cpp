@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "host.hpp"
+#include "random.hpp"
 #include "routing/living_runs.hpp"
 
 namespace adhoc_communication {
@@ -107,24 +108,117 @@ TEST(LivingRuns, ARunWithoutALifeSignHasToShowTwo) {
   }
 }
 
+/// A frame of that run, every 50 ms.
+bool goes_on(LivingRuns& runs, wire::BootTag boot, std::uint64_t counter, Time begin, Time duration) {
+  bool believed = false;
+  for (Time now = begin; now < begin + duration; now += 50ms) believed = runs.heard(kRobot, boot, counter++, now);
+  return believed;
+}
+
 TEST(LivingRuns, LateFramesOfAnEndedRunDoNotBringItBack) {
   LivingRuns runs;
   runs.heard(kRobot, kEnded, 100, 10s);
-  ASSERT_TRUE(runs.heard(kRobot, kLiving, 1, 11s)) << "a restart is believed at once";
-  EXPECT_FALSE(runs.heard(kRobot, kEnded, 101, 11s)) << "it was in the air";
+  ASSERT_TRUE(runs.heard(kRobot, kLiving, 1, 10s + LivingRuns::kGone)) << "a restart is believed at once";
+  EXPECT_FALSE(runs.heard(kRobot, kEnded, 101, 15s)) << "it was in the air";
   for (std::uint64_t counter = 90; counter <= 101; ++counter) {
-    EXPECT_FALSE(runs.heard(kRobot, kEnded, counter, 20s)) << "recorded, " << counter;
+    EXPECT_FALSE(runs.heard(kRobot, kEnded, counter, 24s)) << "recorded, " << counter;
   }
   EXPECT_TRUE(runs.lives(kRobot, kLiving));
 }
 
+TEST(LivingRuns, ARestartIsBelievedOnceTheFormerRunIsAskedAndSilent) {
+  for (const bool answers : {true, false}) {
+    LivingRuns runs;
+    runs.heard(kRobot, kEnded, 100, 10s);
+    EXPECT_FALSE(runs.heard(kRobot, kLiving, 1, 11s, answers));
+    EXPECT_TRUE(runs.wants_answer(kRobot, 11s));
+    EXPECT_FALSE(runs.wants_answer(kRobot, 11s)) << "it has just been asked";
+    const Time end = answers ? 11300ms : 11600ms;
+    EXPECT_FALSE(runs.heard(kRobot, kLiving, 2, end - 1ms, answers));
+    EXPECT_TRUE(runs.heard(kRobot, kLiving, 3, end, answers));
+    EXPECT_FALSE(runs.wants_answer(kRobot, 12s));
+  }
+}
+
+/// One frame with its address ended the run that lives, and it had to say three to come back.
+TEST(LivingRuns, ARunThatAnswersLives) {
+  LivingRuns runs;
+  runs.heard(kRobot, kLiving, 1, 10s);
+  int questions = 0;
+  for (Time now = 10s; now < 20s; now += 50ms) {
+    EXPECT_FALSE(runs.heard(kRobot, kForged, static_cast<std::uint64_t>(now / 50ms), now));
+    if (!runs.wants_answer(kRobot, now)) continue;
+    ++questions;
+    runs.heard(kRobot, kLiving, 1 + static_cast<std::uint64_t>(questions), now + 1ms, true);
+  }
+  EXPECT_GE(questions, 5);
+  EXPECT_LE(questions, 10) << "one frame of his is not to cost one of each neighbour";
+}
+
+/// Who had the address first, and answers nothing, kept the robot out that it belongs to.
+TEST(LivingRuns, ARunThatOnlyTransmitsGivesWay) {
+  LivingRuns runs;
+  runs.heard(kRobot, kForged, 1, 10s);
+  for (Time now = 10s; now < 11s; now += 50ms) {
+    runs.heard(kRobot, kForged, static_cast<std::uint64_t>(now / 50ms), now);
+    EXPECT_FALSE(runs.heard(kRobot, kLiving, static_cast<std::uint64_t>(now / 50ms), now + 1ms, true));
+  }
+  EXPECT_TRUE(runs.heard(kRobot, kLiving, 1000, 11001ms, true));
+}
+
+/// While nothing of the robot was heard here, somebody else took its address.
 TEST(LivingRuns, ARunThatGoesOnTransmittingOutlivesAForgedOne) {
   LivingRuns runs;
   runs.heard(kRobot, kLiving, 100, 10s);
   runs.heard(kRobot, kForged, 1, 10s);
-  EXPECT_FALSE(runs.heard(kRobot, kLiving, 101, 10s));
-  EXPECT_FALSE(runs.heard(kRobot, kLiving, 102, 10s));
-  EXPECT_TRUE(runs.heard(kRobot, kLiving, 103, 10s));
+  ASSERT_TRUE(runs.heard(kRobot, kForged, 2, 10600ms));
+  EXPECT_FALSE(runs.heard(kRobot, kLiving, 101, 10610ms));
+  EXPECT_TRUE(runs.heard(kRobot, kLiving, 102, 10910ms, true));
+}
+
+TEST(LivingRuns, TwoRobotsWithOneAddressAreToldOf) {
+  LivingRuns runs;
+  for (Time now = 10s; now < 16s; now += 500ms) {
+    runs.heard(kRobot, kLiving, static_cast<std::uint64_t>(now / 50ms), now, true);
+    EXPECT_EQ(runs.contested(kRobot, now), now > 10s + LivingRuns::kContested) << now.count();
+    runs.heard(kRobot, kForged, static_cast<std::uint64_t>(now / 50ms), now);
+  }
+  EXPECT_TRUE(runs.any_contested(16s));
+  EXPECT_FALSE(runs.contested(kRobot, 18s)) << "he has stopped";
+  EXPECT_FALSE(runs.any_contested(18s));
+}
+
+/// Where robots do not acknowledge frames nobody can be asked.
+TEST(LivingRuns, WithoutQuestionsThreeBeaconsHaveToBeMissing) {
+  LivingRuns runs(false);
+  runs.heard(kRobot, kEnded, 100, 10s);
+  EXPECT_FALSE(goes_on(runs, kLiving, 1, 10s, 3200ms));
+  EXPECT_FALSE(runs.wants_answer(kRobot, 13s));
+  EXPECT_TRUE(runs.heard(kRobot, kLiving, 100, 13200ms));
+}
+
+/// A robot that loses half of the questions, or their answers, and restarts at random. Others use its address all the
+/// time, and answer nothing.
+TEST(LivingRuns, WhoAnswersLivesAndARestartIsBelievedWhateverElseIsHeard) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Random random(seed);
+    LivingRuns runs;
+    wire::BootTag living = 1;
+    std::uint64_t counter = 0;
+    Time deaf_since = 10s;
+    for (Time now = 10s; now < 60s; now += 10ms) {
+      if (random.chance(0.001)) {
+        ++living;
+        counter = 0;
+        deaf_since = now;
+      }
+      if (random.chance(0.04)) runs.heard(kRobot, living, ++counter, now);
+      if (random.chance(0.3)) runs.heard(kRobot, 1000 + random.next() % 50, ++counter, now);
+      if (runs.wants_answer(kRobot, now) && random.chance(0.5)) runs.heard(kRobot, living, ++counter, now, true);
+      if (runs.lives(kRobot, living)) deaf_since = now;
+      ASSERT_LE(now - deaf_since, 5s) << "seed " << seed << " at " << now.count();
+    }
+  }
 }
 
 /// Requests with ever new runs kept a far robot deaf.
@@ -266,19 +360,16 @@ TEST(LivingRuns, ARequestThatNamesAnotherRunOfItsTransmitterIsNotBelieved) {
   EXPECT_TRUE(stage.hears());
 }
 
-TEST(LivingRuns, ARestartIsBelievedFromItsFirstFrame) {
+TEST(LivingRuns, ARestartIsBelievedOnceTheFormerRunDoesNotAnswer) {
   Lied stage;
-  stage.forged.counter = 0;
-  stage.forged.sequence = 1;
-  stage.say(stage.forged, request_for(make_host(9), stage.forged));
-  stage.told.beacons = false;
-  const std::uint64_t counter = stage.told.counter++;
-  stage.say(stage.told, request_for(make_host(9), stage.told, 2));
-  stage.told.counter = counter;
-  stage.beacon(stage.forged);
-  stage.run_for(1ms);
+  Host former = stage.told;
+  stage.restart(stage.told);
   EXPECT_EQ(stage.team.presence(0).back().second, "+" + stage.told.name);
-  EXPECT_EQ(stage.route(stage.told)->boot, stage.forged.boot());
+  EXPECT_EQ(stage.team.presence(0).size(), 4u);
+  stage.say(stage.told, request_for(make_host(9), stage.told));
+  stage.say(former, request_for(make_host(9), former, 2));
+  stage.run_for(1ms);
+  EXPECT_EQ(stage.route(stage.told)->boot, stage.told.boot());
 }
 
 }  // namespace

@@ -151,9 +151,7 @@ TEST(Trees, B10_1_B11_1_ARobotWhoseUpstreamNeighborRestartsIsNotBelowTheNewRun) 
     branch.b.beacons = !missed;
     branch.run_for(missed ? 8s : 1s);  // silent for so long, it was forgotten
     ASSERT_EQ(branch.tree()->upstream, branch.b.address);
-    branch.b.boot_id[0] ^= 1;
-    branch.beacon(branch.b);
-    branch.run_for(50ms);
+    branch.restart(branch.b);
     EXPECT_FALSE(branch.tree()->upstream);
     branch.activate(branch.b, 3, {c.address});
     EXPECT_FALSE(branch.tree()->upstream);
