@@ -39,7 +39,7 @@ bench-adhoc: build
 	@tools/build --target adhoc_communication_benchmarks adhoc_communication_engine_test engine_scenarios
 	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
 	rosrun adhoc_communication bench_adversaries --out out/bench/adhoc_adversaries.json || missed=1; \
-	build/devel/lib/adhoc_communication/engine_scenarios --seed 10001 --count 1000 --keep-going --json out/bench/adhoc_scenarios.json || missed=1; \
+	build/devel/lib/adhoc_communication/engine_scenarios --contention --seed 10001 --count 1000 --keep-going --json out/bench/adhoc_scenarios.json || missed=1; \
 	rosrun adhoc_communication bench_namespaces --out out/bench/adhoc.json || missed=1; \
 	rosrun adhoc_communication bench_hosts --out out/bench/adhoc_hosts.json || missed=1; \
 	rosrun adhoc_communication bench_namespaces --only babel --kills 30 --out out/bench/adhoc_babel.json || missed=1; \

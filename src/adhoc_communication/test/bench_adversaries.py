@@ -3,8 +3,8 @@
     bench_adversaries [--out FILE]
 
 Each row: {what, bar, value, unit, holds, detail}. What each adversary does stands in
-test/engine/test_adversary_suite.cpp and test_own_address.cpp; a test fails when a robot is deafened, a packet is not delivered, or a table
-outgrows its bound.
+test/engine/test_adversary_suite.cpp and test_own_address.cpp; a test fails when a robot is deafened, a packet is not
+delivered, or a table outgrows its bound.
 """
 
 import argparse

@@ -145,6 +145,16 @@ TEST(Scenarios, LeaveARobotWithoutRoomForPackets) {
   EXPECT_LT(seed, kStoredSeeds);
 }
 
+TEST(Scenarios, ContendForOneChannelWhereThatIsAskedFor) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const Scenario usual = make_scenario(seed);
+    const Scenario contended = make_scenario(seed, true);
+    EXPECT_TRUE(contended.medium.contention && !contended.medium.shared) << seed;
+    EXPECT_EQ(contended.actions.size(), usual.actions.size()) << seed;
+    EXPECT_EQ(contended.options.max_packet_size, usual.options.max_packet_size) << seed;
+  }
+}
+
 TEST(Scenarios, AreTheSameForTheSameSeed) {
   EXPECT_EQ(run(make_scenario(3)).trace_hash, run(make_scenario(3)).trace_hash);
   EXPECT_NE(run(make_scenario(3)).trace_hash, run(make_scenario(4)).trace_hash);

@@ -17,19 +17,21 @@ using adhoc_communication::Scenario;
 
 constexpr char kUsage[] =
     "engine_scenarios [--seed N] [--count N] [--events N] [--trace] [--hashes] [--keep-going]\n"
-    "                 [--json FILE]\n"
+    "                 [--contention] [--json FILE]\n"
     "  --seed N      first seed (1)\n"
     "  --count N     scenarios to play, one per seed (1)\n"
     "  --events N    end each scenario after so many events\n"
     "  --trace       print every event\n"
     "  --hashes      print a hash of the events of each seed, to compare two versions of the engine\n"
     "  --keep-going  play the other seeds, too, after a broken promise\n"
+    "  --contention  robots contend for one channel in each scenario; otherwise in a sixth of them\n"
     "  --json FILE   write what was found as the row of a benchmark\n";
 
 struct Arguments {
   std::uint64_t seed = 1;
   std::uint64_t count = 1;
   bool keep_going = false;
+  bool contention = false;
   std::string json;
   bool hashes = false;
   RunOptions run;
@@ -63,6 +65,8 @@ Arguments parse(int argc, char** argv) {
       arguments.hashes = true;
     } else if (option == "--json" && i + 1 < argc) {
       arguments.json = argv[++i];
+    } else if (option == "--contention") {
+      arguments.contention = true;
     } else if (option == "--keep-going") {
       arguments.keep_going = true;
     } else if (option == "--help") {
@@ -75,18 +79,21 @@ Arguments parse(int argc, char** argv) {
   return arguments;
 }
 
-void write_row(const std::string& file, std::uint64_t seeds, std::uint64_t events, std::uint64_t violations) {
+void write_row(const std::string& file, std::uint64_t seeds, std::uint64_t events, std::uint64_t violations,
+               bool contention) {
   std::ofstream(file) << "[\n  {\"what\": \"broken promises in random scenarios\", \"bar\": \"0\", \"value\": "
                       << violations << ", \"unit\": \"\", \"holds\": " << (violations == 0 ? "true" : "false")
                       << ", \"detail\": \"" << events << " events, " << seeds
-                      << " seeds, a third of them on one channel, half of these contended\"}\n]\n";
+                      << (contention ? " seeds, robots contend for one channel in each"
+                                     : " seeds, a third of them on one channel, half of these contended")
+                      << "\"}\n]\n";
 }
 
-void report(const Scenario& scenario, const Outcome& outcome) {
-  std::printf("%sseed %llu (%s), event %llu: %s\nsee it again: engine_scenarios --seed %llu --trace\n",
+void report(const Scenario& scenario, const Outcome& outcome, bool contention) {
+  std::printf("%sseed %llu (%s), event %llu: %s\nsee it again: engine_scenarios --seed %llu%s --trace\n",
               outcome.tail.c_str(), static_cast<unsigned long long>(scenario.seed), describe(scenario).c_str(),
               static_cast<unsigned long long>(outcome.events), outcome.violation.c_str(),
-              static_cast<unsigned long long>(scenario.seed));
+              static_cast<unsigned long long>(scenario.seed), contention ? " --contention" : "");
 }
 
 }  // namespace
@@ -96,7 +103,7 @@ int main(int argc, char** argv) {
   const auto start = std::chrono::steady_clock::now();
   std::uint64_t events = 0, sends = 0, deliveries = 0, played = 0, violations = 0, full = 0;
   for (; played < arguments.count && (violations == 0 || arguments.keep_going); ++played) {
-    const Scenario scenario = adhoc_communication::make_scenario(arguments.seed + played);
+    const Scenario scenario = adhoc_communication::make_scenario(arguments.seed + played, arguments.contention);
     const Outcome outcome = adhoc_communication::run(scenario, arguments.run);
     events += outcome.events;
     sends += outcome.sends;
@@ -108,7 +115,7 @@ int main(int argc, char** argv) {
     }
     if (outcome.violation.empty()) continue;
     ++violations;
-    report(scenario, outcome);
+    report(scenario, outcome, arguments.contention);
     std::fflush(stdout);
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -119,6 +126,6 @@ int main(int argc, char** argv) {
       static_cast<double>(events) / seconds, static_cast<unsigned long long>(sends),
       static_cast<unsigned long long>(deliveries), static_cast<unsigned long long>(full),
       static_cast<unsigned long long>(violations));
-  if (!arguments.json.empty()) write_row(arguments.json, played, events, violations);
+  if (!arguments.json.empty()) write_row(arguments.json, played, events, violations, arguments.contention);
   return violations == 0 ? 0 : 1;
 }

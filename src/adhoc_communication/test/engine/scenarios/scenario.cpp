@@ -21,7 +21,7 @@ constexpr Time kKeyStep = 400ms;
 /// Draws the parts of one scenario.
 class Generator {
  public:
-  explicit Generator(std::uint64_t seed) : random_(seed) { scenario_.seed = seed; }
+  Generator(std::uint64_t seed, bool contended) : random_(seed), contended_(contended) { scenario_.seed = seed; }
 
   Scenario make() {
     draw_radio();
@@ -117,7 +117,7 @@ class Generator {
   /// Late, so that all else is as without it; so is what follows.
   void draw_contention() {
     MediumOptions& medium = scenario_.medium;
-    medium.contention = medium.shared && random_.chance(0.5);
+    medium.contention = (medium.shared && random_.chance(0.5)) || contended_;
     medium.shared = medium.shared && !medium.contention;
   }
 
@@ -254,6 +254,7 @@ class Generator {
   }
 
   Random random_;
+  bool contended_;
   Scenario scenario_;
 };
 
@@ -319,6 +320,6 @@ std::string describe(const Scenario& scenario) {
   return text.str();
 }
 
-Scenario make_scenario(std::uint64_t seed) { return Generator(seed).make(); }
+Scenario make_scenario(std::uint64_t seed, bool contended) { return Generator(seed, contended).make(); }
 
 }  // namespace adhoc_communication

@@ -58,6 +58,7 @@ struct Scenario {
 /// One line for people.
 std::string describe(const Scenario& scenario);
 
-Scenario make_scenario(std::uint64_t seed);
+/// `contended`: on one channel that robots contend for, whatever the seed says; all else is as without.
+Scenario make_scenario(std::uint64_t seed, bool contended = false);
 
 }  // namespace adhoc_communication
