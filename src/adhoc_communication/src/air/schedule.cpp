@@ -22,7 +22,6 @@ bool Schedule::send_one(Time now) {
 }
 
 bool Schedule::send_one(std::uint8_t priority, Time now) {
-  if (hops_.repeat_lost(priority, now)) return true;
   std::vector<MacAddress> hops = waiting_hops(priority);
   shares_[priority].sort(hops);
   for (const MacAddress& hop : hops) {
@@ -61,7 +60,9 @@ bool Schedule::send_from(const MacAddress& previous_hop, std::uint8_t priority, 
   return false;
 }
 
+/// What is lost is repeated before anything else of that robot.
 bool Schedule::send_packet_frame(const MacAddress& previous_hop, std::uint8_t priority, Time now) {
+  if (hops_.repeat_lost(priority, previous_hop, now)) return true;
   if (hops_.send_waiting(priority, previous_hop, now)) return true;
   if (previous_hop != MacAddress{}) return false;
   return send_broadcast(priority, now) || streams_.send_segment(priority, now);

@@ -12,8 +12,9 @@
 
 namespace adhoc_communication::air {
 
-/// Of one priority: frames to be repeated, then those of the robot that has sent the fewest octets (this one among
-/// them); of its frames those of groups and the others likewise.
+/// Of one priority: frames of the robot that has sent the fewest octets (this one among them), repetitions included, so
+/// that a hop which loses much costs those whose frames it carries; of its frames those of groups and the others
+/// likewise.
 class Schedule {
  public:
   Schedule(const AirClock& air, Transmitter& transmitter, transport::Hops& hops, transport::Streams& streams,

@@ -37,9 +37,22 @@ bool HopSender::may_start() const {
   return in_flight_.empty() || next_link_sequence_ - in_flight_.begin()->first < kSpan;
 }
 
-HopSender::Outgoing HopSender::resend(std::uint8_t priority, std::uint64_t counter, Time now) {
-  const std::uint32_t link_sequence = lost_[priority].front();
-  lost_[priority].pop_front();
+void HopSender::add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
+  waiting_[priority].add_hops(hops);
+  for (const std::uint32_t lost : lost_[priority]) hops.push_back(in_flight_.at(lost).frame.previous_hop);
+}
+
+HopSender::Lost::const_iterator HopSender::first_lost(std::uint8_t priority, const MacAddress& previous_hop) const {
+  return std::find_if(lost_[priority].begin(), lost_[priority].end(), [&](std::uint32_t link_sequence) {
+    return in_flight_.at(link_sequence).frame.previous_hop == previous_hop;
+  });
+}
+
+HopSender::Outgoing HopSender::resend(std::uint8_t priority, const MacAddress& previous_hop, std::uint64_t counter,
+                                      Time now) {
+  const auto lost = first_lost(priority, previous_hop);
+  const std::uint32_t link_sequence = *lost;
+  lost_[priority].erase(lost);
   return transmit(link_sequence, in_flight_.at(link_sequence), counter, now);
 }
 

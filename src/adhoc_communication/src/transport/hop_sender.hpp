@@ -65,14 +65,15 @@ class HopSender {
   bool has_more() const { return waiting() > 0 || has_lost(); }
 
   bool has_resend(std::uint8_t priority) const { return !lost_[priority].empty(); }
+  bool has_resend(std::uint8_t priority, const MacAddress& previous_hop) const {
+    return first_lost(priority, previous_hop) != lost_[priority].end();
+  }
   bool has_waiting(std::uint8_t priority) const { return !waiting_[priority].empty(); }
   bool has_waiting(std::uint8_t priority, const MacAddress& previous_hop) const {
     return waiting_[priority].has(previous_hop);
   }
-  /// From whom frames of that priority wait.
-  void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
-    waiting_[priority].add_hops(hops);
-  }
+  /// From whom frames of that priority wait, to be sent or to be repeated.
+  void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
   bool idle() const { return in_flight_.empty() && waiting() == 0; }
   /// As idle(), and no transmission is waited for any more.
   bool settled() const { return idle() && unresolved_.empty(); }
@@ -87,8 +88,8 @@ class HopSender {
   /// The latest transmission asks for an acknowledgment at once.
   void ask(std::uint64_t counter, Time now);
 
-  /// The lost frame to repeat next; has_resend() and may_resend() hold.
-  Outgoing resend(std::uint8_t priority, std::uint64_t counter, Time now);
+  /// The lost frame of that previous hop to repeat next; has_resend() and may_resend() hold.
+  Outgoing resend(std::uint8_t priority, const MacAddress& previous_hop, std::uint64_t counter, Time now);
   /// Puts a new frame on its way; may_start() holds.
   Outgoing start(HopFrame frame, std::uint64_t counter, Time now);
   HopFrame take_waiting(std::uint8_t priority, const MacAddress& previous_hop) {
@@ -134,6 +135,9 @@ class HopSender {
     Time asked;
   };
 
+  using Lost = std::deque<std::uint32_t>;
+
+  Lost::const_iterator first_lost(std::uint8_t priority, const MacAddress& previous_hop) const;
   Outgoing transmit(std::uint32_t link_sequence, InFlight& flight, std::uint64_t counter, Time now);
   void transmission_lost(const Transmission& transmission, bool by_timer);
   void count_outcome(double lost, Time now);
@@ -153,7 +157,7 @@ class HopSender {
   int most_resends_;
   std::array<FrameQueue, kPriorities> waiting_;
   std::map<std::uint32_t, InFlight, routing::SequenceOrder> in_flight_;
-  std::array<std::deque<std::uint32_t>, kPriorities> lost_;
+  std::array<Lost, kPriorities> lost_;
   std::deque<Transmission> unresolved_;
   std::deque<Transmission> late_;
   int expiries_ = 0;  ///< of timers since the last acknowledgment

@@ -170,15 +170,16 @@ void Hops::maintain(Time now) {
 
 // --- what goes on the air --------------------------------------------------------------------------------------------
 
-bool Hops::repeat_lost(std::uint8_t priority, Time now) {
+bool Hops::repeat_lost(std::uint8_t priority, const MacAddress& previous_hop, Time now) {
   return visit_after(hops_.busy(), last_served_, [&](const auto& item) {
     Hop& hop = *item.second;
-    if (!hop.sender.has_resend(priority) || !hop.sender.may_resend() || !air_allows(item.first, hop, priority, now)) {
+    if (!hop.sender.has_resend(priority, previous_hop) || !hop.sender.may_resend() ||
+        !air_allows(item.first, hop, priority, now)) {
       return false;
     }
     last_served_ = item.first;
     const std::uint64_t counter = transmitter_.take_counter();
-    put_on_air(item.first, hop, hop.sender.resend(priority, counter, now), counter, now);
+    put_on_air(item.first, hop, hop.sender.resend(priority, previous_hop, counter, now), counter, now);
     return true;
   });
 }

@@ -46,13 +46,15 @@ class Hops : public Outbox {
   void settle();
 
   // What goes on the air. Each sends one frame, or none if it may not or there is none.
-  bool repeat_lost(std::uint8_t priority, Time now);
-  /// A frame that came from there; one neighbour after the other.
+  // They take one neighbour after the other.
+  /// A frame that came from there, again.
+  bool repeat_lost(std::uint8_t priority, const MacAddress& previous_hop, Time now);
+  /// A frame that came from there.
   bool send_waiting(std::uint8_t priority, const MacAddress& previous_hop, Time now);
   /// Whether a frame may be started now.
   bool may_start(const MacAddress& neighbor, std::uint8_t priority, Time now);
   void start(const MacAddress& neighbor, HopFrame frame, Time now);
-  /// From whom frames of that priority wait.
+  /// From whom frames of that priority wait, to be sent or to be repeated.
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
   /// Whether a frame would be sent if the air were free.
   bool something_to_send(Time now) const;

@@ -103,38 +103,43 @@ Row latency(const Case& measured, int trials) {
               format(", arrived %.0f of %.0f", static_cast<double>(all.size()), messages * trials)};
 }
 
-/// Seconds that a relay takes for 500 kB of its own while `sources` robots send through it; none if it does not end.
-double own_transfer(std::size_t sources, std::uint64_t seed) {
+/// Seconds that a relay takes for 500 kB of its own, over a hop that loses nothing, while `sources` robots send through
+/// it to another robot, over a hop of that loss; many if it does not end.
+double own_transfer(std::size_t sources, double loss, std::uint64_t seed) {
   EngineOptions options;
   options.join_groups_automatically = false;
   Team team({}, seed);
   team.add(options, 0.0);
   team.add(options, 8.0);
+  team.add(options, 0.0, 8.0);
   for (std::size_t i = 0; i < sources; ++i) team.add(options, -5.0, i % 2 == 0 ? 5.0 : -5.0);
+  team.medium().set_link_loss(0, 1, loss);
   team.run_for(2s);
   for (std::size_t i = 0; i < sources; ++i) {
     for (int packet = 0; packet < 4; ++packet) {
-      team.send(2 + i, "robot_1", noise(8'000'000, seed), Priority::kBulk);
+      team.send(3 + i, "robot_1", noise(8'000'000, seed), Priority::kBulk);
     }
   }
   team.run_for(500ms);
   const Time begin = team.now();
-  const SendId own = team.send(0, "robot_1", noise(500'000, seed), Priority::kBulk);
+  const SendId own = team.send(0, "robot_2", noise(500'000, seed), Priority::kBulk);
   team.run_until_done([&] { return team.finished(0, own) != nullptr; }, 60s);
   const SendFinished* end = team.finished(0, own);
   return end != nullptr && end->delivered ? seconds(team.now() - begin) : 1e9;
 }
 
 /// Over the time that its fair share would take.
-Row own_share(std::size_t sources, int seeds) {
+Row own_share(std::size_t sources, double loss, int seeds) {
   std::vector<double> ratios;
   for (int seed = 1; seed <= seeds; ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
-    const double fair = own_transfer(0, number) * static_cast<double>(sources + 1);
-    ratios.push_back(own_transfer(sources, number) / fair);
+    const double fair = own_transfer(0, 0.0, number) * static_cast<double>(sources + 1);
+    ratios.push_back(own_transfer(sources, loss, number) / fair);
   }
   const double worst = quantile(ratios, 1.0);
-  return {format("own 500 kB of a relay for %.0f others, over its fair share: worst", static_cast<double>(sources)),
+  const std::string where = loss > 0 ? format(" whose next hop loses %.0f %%", loss * 100) : "";
+  return {format("own 500 kB of a relay for %.0f others", static_cast<double>(sources)) + where +
+              ", over its fair share: worst",
           "<= 2.00",
           worst,
           "1",
@@ -145,7 +150,9 @@ Row own_share(std::size_t sources, int seeds) {
 }  // namespace
 
 void measure_priority(const Effort& effort, Rows& rows) {
-  for (const std::size_t sources : {1, 2, 4}) rows.add(own_share(sources, std::max(10, effort.trials / 2)));
+  for (const double loss : {0.0, 0.1, 0.3}) {
+    for (const std::size_t sources : {1, 2, 4}) rows.add(own_share(sources, loss, std::max(10, effort.trials / 2)));
+  }
   for (const Case& measured : kCases) rows.add(latency(measured, std::max(3, effort.trials / 2)));
 }
 

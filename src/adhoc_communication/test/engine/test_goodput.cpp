@@ -221,7 +221,7 @@ TEST(HopSender, AFullWindowAsksAgainAsSoonAsTheAnswerIsOverdue) {
   EXPECT_FALSE(sender.has_resend(0)) << "the answer may still come";
   sender.expire(now + HopSender::kShortestWait);
   ASSERT_TRUE(sender.has_resend(0));
-  EXPECT_EQ(sender.resend(0, ++counter, now + 2ms).link_sequence, oldest);
+  EXPECT_EQ(sender.resend(0, {}, ++counter, now + 2ms).link_sequence, oldest);
   EXPECT_TRUE(sender.pressing()) << "the repetition asks, too";
   EXPECT_FALSE(sender.has_resend(0)) << "one at a time";
 }
@@ -247,7 +247,7 @@ class EagerSender : public testing::Test {
     now = sender.next_deadline();
     sender.expire(now);
     if (!sender.has_resend(0)) return Time::max();
-    sender.resend(0, ++counter, now);
+    sender.resend(0, {}, ++counter, now);
     sender.ask(counter, now);
     return now - begin;
   }
@@ -311,21 +311,23 @@ TEST_F(EagerSender, AMissingAnswerIsHalfALoss) {
   EXPECT_NEAR(*sender.loss(now), 0.5 / 32, 0.002);
 }
 
-/// The first message in a team that hardly knows itself, in the slowest of ten.
+/// The first message in a team that hardly knows itself: three of four arrive within that time. The slowest of few is a
+/// matter of chance: one in thirty takes longer than 150 ms.
 TEST(Goodput, TheFirstMessageOverManyLossyHopsIsNotKeptWaiting) {
   MediumOptions medium;
   medium.loss = 0.3;
-  Time slowest{0};
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  std::vector<Time> taken;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Team team(medium, seed);
     team.add_line(11);
     team.run_for(1s);
     const Time begin = team.now();
     team.send(0, Team::name(10), text("x"));
     ASSERT_TRUE(team.run_until_done([&] { return !team.received(10).empty(); }, 10s));
-    slowest = std::max(slowest, team.now() - begin);
+    taken.push_back(team.now() - begin);
   }
-  EXPECT_LE(slowest, 150ms);
+  std::sort(taken.begin(), taken.end());
+  EXPECT_LE(taken[14], 100ms);
 }
 
 /// On a shared channel: learned while another robot was sending, too, and then that one falls silent.
