@@ -39,7 +39,7 @@ def units(tmp_path: pathlib.Path) -> pathlib.Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("unit", ["adhoc-radio@wlan0.service", "robot@wlan0.service"])
+@pytest.mark.parametrize("unit", ["adhoc-radio@wlan0.service", "mesh-radio@wlan0.service", "robot@wlan0.service"])
 def test_systemd_takes_the_unit_without_a_word(units: pathlib.Path, unit: str) -> None:
     assert verify(units, unit) == ""
 
