@@ -2,6 +2,7 @@
 own with a real radio node, and of a computer without one. Shared by the tests and `bench_doctor`."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -183,6 +184,7 @@ class Computer(NamedTuple):
     key_mode: int = 0o600
     environment: Tuple[Tuple[str, str], ...] = ()
     without_rights: bool = False
+    new_build: bool = False  # the radio node was built by a user: its file has no capability
 
 
 COMPUTERS: Dict[str, Computer] = {
@@ -212,6 +214,11 @@ COMPUTERS: Dict[str, Computer] = {
         ("key file {key} cannot be read: Permission denied: run the doctor as the robot's user",),
         words=("--key-file", "{key}"), key_mode=0o000, without_rights=True,
     ),
+    "a radio node without its right": Computer(
+        (RIGHTS + "+ep {disk}/build/lib/adhoc_communication/adhoc_communication",), words=("--interface", "lo"),
+        environment=(("CMAKE_PREFIX_PATH", f"{{disk}}/build:{os.environ.get('CMAKE_PREFIX_PATH', '')}"),),
+        without_rights=True, new_build=True,
+    ),
 }  # fmt: skip
 
 
@@ -224,10 +231,21 @@ def without_rights() -> List[str]:
     return [] if os.geteuid() else ["setpriv", "--bounding-set=-net_raw,-dac_override,-dac_read_search"]
 
 
+def build(folder: Path) -> None:
+    """A catkin workspace with the radio node, whose extended attributes, and with them its rights, stay behind."""
+    program = folder / "lib" / "adhoc_communication" / "adhoc_communication"
+    program.parent.mkdir(parents=True)
+    (folder / ".catkin").touch()
+    shutil.copyfile(RADIO_NODE, program)
+    program.chmod(0o755)
+
+
 def examine(folder: Path, faults: Sequence[Computer]) -> Tuple["subprocess.CompletedProcess[str]", List[str]]:
     """What the doctor says of a computer with all these faults, and the beginnings of what it has to say."""
     disk, key = folder / "disk", folder / "team.key"
     disk.mkdir()
+    if any(fault.new_build for fault in faults):
+        build(disk / "build")
     key.write_text(next((fault.key for fault in faults if "--key-file" in fault.words), ""))
     key.chmod(min(fault.key_mode for fault in faults))
 

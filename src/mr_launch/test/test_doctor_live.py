@@ -123,6 +123,12 @@ def test_a_wrong_address_no_such_interface_no_rights_and_the_key_of_another_user
     assert_findings(done, *told[:2], *([] if allowed else [RIGHTS]), *told[2:])
 
 
+def test_a_radio_node_without_its_right(tmp_path):
+    """After each build that was not made as root; once only tried with made-up values."""
+    done, told = examine(tmp_path, [COMPUTERS["a radio node without its right"]])
+    assert_findings(done, *told)
+
+
 def test_rows_of_the_benchmark_count_what_was_named_and_what_was_not_broken():
     named = bench_doctor.Examined("a key that others can read", ("key file",), ("key file /k can be read",))
     wordy = bench_doctor.Examined("no scans", ("/scan is silent",), ("/scan is silent, though", "bob is not there"))
