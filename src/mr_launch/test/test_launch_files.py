@@ -199,14 +199,26 @@ def test_the_description_connects_the_base_with_the_sensor(robot, frame, shape):
     assert urdf.find(f"link[@name='base_link']/visual/geometry/{shape}") is not None
 
 
-def test_every_node_with_logs_is_told_where_they_go(tmp_path):
+def test_every_node_that_has_a_log_path_is_told_it():
+    """The radio, the merger and the explorer; no other one writes files of its own but what roslaunch keeps."""
     for name in ("robot.launch", "base_station.launch"):
         parameters = parameters_of(name, "log_path:=/logs", "record:=true")
         told = {key for key, value in parameters.items() if value == "/logs"}
         assert told >= {"/adhoc_communication/log_path", "/map_merger/log_path"}, name
         assert ("/explorer/log_path" in told) == (name == "robot.launch")
+        assert len(told) == 2 + (name == "robot.launch"), name
         capture = Path(parameters["/adhoc_communication/capture_file"])
         assert capture.name.startswith("radio_") and capture.suffix == ".pcap"
+
+
+def test_no_other_package_of_nodes_has_a_log_path():
+    packages = ("adhoc_communication", "map_merger", "explorer", "mr_robot", "mr_sim", "mr_page")
+    found = set()
+    for name in packages:
+        files = [file for place in ("src", "nodes") for file in (PACKAGE.parent / name / place).rglob("*")]
+        texts = (file.read_bytes() for file in files if file.is_file() and file.suffix in (".py", ".cpp", ""))
+        found |= {name for text in texts if b"log_path" in text}
+    assert found == {"adhoc_communication", "map_merger", "explorer"}
 
 
 @pytest.mark.parametrize("count", [2, 5])

@@ -141,9 +141,9 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add("--seed", type=int, default=1, metavar="N", help="seed of world and radio (default: %(default)s)")
     add("--duration", type=float, default=900.0, metavar="S", help="limit in s of simulation time (default: 900)")
-    for name, unit, what in (("time", "s", "simulation time"), ("distance", "m", "way")):
+    for option, unit, what in (("--time-limit", "s", "simulation time"), ("--distance-limit", "m", "way")):
         ends = f"{unit} of {what} after which each robot ends its exploration and drives home (default: 0, none)"
-        add(f"--{name}-limit", type=float, default=0.0, metavar=unit.upper(), help=ends)
+        add(option, type=float, default=0.0, metavar=unit.upper(), help=ends)
     add(
         "--out",
         default="",
