@@ -4,11 +4,11 @@ import re
 import shlex
 from functools import lru_cache
 from pathlib import Path
-from typing import Dict, Iterator, List, NamedTuple, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-# With what a command in a table begins; a name alone is talked about, not run.
-TABLE_COMMAND = re.compile(
+# With what a command in a table or in the text begins; a name alone is talked about, not run.
+INLINE_COMMAND = re.compile(
     r"((sudo|[A-Z_]+=\S+) )*"
     r"(ros[a-z]+|python3|make|tools/\S+|iw|ip|git|source|getcap|setcap|apt|systemctl|journalctl|nmcli) \S"
 )
@@ -61,9 +61,9 @@ def anchors(page: Path) -> Tuple[str, ...]:
 
 
 def commands(page: Path) -> Iterator[Command]:
-    """Those in fenced blocks of shell, in indented ones and in tables: one for each line, and for each part of a pipe
-    or list."""
-    for number, line in (*shell_lines(page), *table_lines(page)):
+    """Those in fenced blocks of shell, in indented ones, in tables and in the text: one for each line, and for each
+    part of a pipe or list."""
+    for number, line in (*shell_lines(page), *table_lines(page), *prose_lines(page)):
         for part in re.split(r"\s(?:&&|\|\||\|)\s|;\s", line):
             try:
                 words = shlex.split(part, comments=True)
@@ -84,12 +84,21 @@ def _nested(page: Path, number: int, words: List[str]) -> Iterator[Command]:
 
 
 def table_lines(page: Path) -> Iterator[Tuple[int, str]]:
-    """Commands in the cells of tables, whole ones: none with `...` in it."""
+    """Commands in the cells of tables."""
+    yield from _inline(page, lambda line: line.lstrip().startswith("|"))
+
+
+def prose_lines(page: Path) -> Iterator[Tuple[int, str]]:
+    """Commands in the text."""
+    yield from _inline(page, lambda line: not line.lstrip().startswith("|"))
+
+
+def _inline(page: Path, wanted: Callable[[str], bool]) -> Iterator[Tuple[int, str]]:
+    """Whole ones: none with `...` in it."""
     for number, line in _text_lines(page):
-        if line.lstrip().startswith("|"):
-            for code in re.findall(r"`([^`]+)`", line):
-                if TABLE_COMMAND.match(code) and "..." not in code:
-                    yield number, code
+        for code in re.findall(r"`([^`]+)`", line) if wanted(line) else []:
+            if INLINE_COMMAND.match(code) and "..." not in code:
+                yield number, code
 
 
 def _text_lines(page: Path) -> Iterator[Tuple[int, str]]:
