@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace mr_robot::slam {
@@ -16,7 +17,6 @@ int block_floor(int value) { return static_cast<int>(std::floor(static_cast<doub
 
 }  // namespace
 
-// MRPT counts the log-odds of being free, in steps of 1/16.
 GridMap::GridMap(const GridOptions& options)
     : options_(options),
       occupied_step_(static_cast<int>(std::lround(16.0 * options.occupied_step))),
@@ -50,16 +50,6 @@ void GridMap::grow_to(Cell low, Cell high) {
   low = {block_floor(low.x), block_floor(low.y)};
   high = {block_floor(high.x) + kBlock, block_floor(high.y) + kBlock};
   const int width = high.x - low.x, height = high.y - low.y;
-  const auto metres = [this](int index) { return static_cast<float>(index * options_.resolution); };
-  if (width_ == 0) {
-    grid_.setSize(metres(low.x), metres(high.x), metres(low.y), metres(high.y),
-                  static_cast<float>(options_.resolution));
-  } else {
-    grid_.resizeGrid(metres(low.x), metres(high.x), metres(low.y), metres(high.y), 0.5F, false);
-  }
-  if (static_cast<int>(grid_.getSizeX()) != width || static_cast<int>(grid_.getSizeY()) != height) {
-    throw std::runtime_error("the occupancy grid left its lattice");
-  }
   const auto move_cells = [&](auto& cells) {
     std::decay_t<decltype(cells)> moved(static_cast<std::size_t>(width) * height);
     for (int row = 0; row < height_; ++row) {
@@ -68,6 +58,7 @@ void GridMap::grow_to(Cell low, Cell high) {
     }
     cells = std::move(moved);
   };
+  move_cells(odds_);
   move_cells(seen_);
   surfaces_.resize(width / kBlock, height / kBlock, (origin_.x - low.x) / kBlock, (origin_.y - low.y) / kBlock);
   touched_.assign(seen_.size(), 0);  // maps grow between two scans
@@ -114,10 +105,10 @@ void GridMap::mark_surface(const Cell& cell) {
 
 // `step`: added to the log-odds of being occupied.
 void GridMap::change_odds(const Cell& cell, int step) {
-  auto& odds = grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x];
+  int8_t& odds = odds_[index_of(cell)];
   uint8_t& seen = seen_[index_of(cell)];
   const bool was_occupied = odds < 0;
-  odds = static_cast<std::decay_t<decltype(odds)>>(std::clamp(odds - step, -odds_limit_, odds_limit_));
+  odds = static_cast<int8_t>(std::clamp(odds - step, -odds_limit_, odds_limit_));
   changed_ |= !seen || was_occupied != (odds < 0);
   seen = 1;
 }
@@ -217,7 +208,7 @@ void GridMap::free_cell(const Cell& cell, const Ray& ray) {
   if (walled && !sees_through(surface_of(cell), ray)) return;
   touched = 2 * scan_number_;
   change_odds(cell, -free_step_);
-  if (walled && grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] > 0) {
+  if (walled && odds_[index_of(cell)] > 0) {
     surface_of(cell) = Surface{};
     mark_surface(cell);
   }
@@ -264,9 +255,7 @@ bool GridMap::known(const Cell& cell) const {
          seen({cell.x, cell.y + 1});
 }
 
-bool GridMap::occupied(const Cell& cell) const {
-  return seen_[index_of(cell)] != 0 && grid_.getRow(cell.y - origin_.y)[cell.x - origin_.x] < 0;
-}
+bool GridMap::occupied(const Cell& cell) const { return seen_[index_of(cell)] != 0 && odds_[index_of(cell)] < 0; }
 
 bool GridMap::hit_beside(const Cell& cell) const {
   for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
@@ -303,12 +292,8 @@ void GridMap::free_footprint(const Pose& robot) {
 
 std::vector<int8_t> GridMap::occupancy() const {
   std::vector<int8_t> cells(seen_.size(), -1);
-  for (int row = 0; row < height_; ++row) {
-    const auto* odds = grid_.getRow(row);
-    for (int column = 0; column < width_; ++column) {
-      const std::size_t index = static_cast<std::size_t>(row) * width_ + column;
-      if (seen_[index]) cells[index] = odds[column] < 0 ? 100 : 0;
-    }
+  for (std::size_t index = 0; index < cells.size(); ++index) {
+    if (seen_[index]) cells[index] = odds_[index] < 0 ? 100 : 0;
   }
   return cells;
 }

@@ -1,7 +1,5 @@
-// The map: an MRPT occupancy grid, and per occupied cell the surface seen in it with sub-cell accuracy.
+// The map: an occupancy grid, and per occupied cell the surface seen in it with sub-cell accuracy.
 #pragma once
-
-#include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -99,9 +97,9 @@ class GridMap {
   void free_footprint(const Pose& robot);
 
   GridOptions options_;
-  mrpt::maps::COccupancyGridMap2D grid_;
-  int occupied_step_, free_step_, odds_limit_;  // in MRPT's steps
+  int occupied_step_, free_step_, odds_limit_;  // in the steps of `odds_`
   // Of each cell, in arrays of their own: beams pass many cells, and of most they need but a part of this.
+  std::vector<int8_t> odds_;  // log-odds of being free, in steps of 1/16
   Surfaces surfaces_;
   std::vector<uint8_t> seen_;
   // Twice the number of the last scan that saw through the cell, and one more if the scan hit it.

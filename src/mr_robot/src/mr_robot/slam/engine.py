@@ -1,6 +1,6 @@
 """Local SLAM of one robot: odometry and scans in, pose and map out.
 
-Pure and deterministic: no clock, no randomness, no ROS. The map is an MRPT occupancy grid; poses come from matching
+Pure and deterministic: no clock, no randomness, no ROS. The map is an occupancy grid; poses come from matching
 scans to the surfaces in it (point-to-line, Gauss-Newton), with odometry where scan and wheels agree and without it
 where they do not. The hot loops are C++ (`mr_robot._slam`).
 """
