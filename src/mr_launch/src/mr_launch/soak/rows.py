@@ -11,7 +11,7 @@ from mr_launch.soak.missions import ROBOTS, Outcome
 
 Row = dict[str, Any]
 OWN_NODES = ("adhoc_communication", "map_merger", "explorer", "move_base")  # a robot's, without simulator and SLAM
-OF_A_ROBOT = (*OWN_NODES, "slam", "master", "rosout")  # all that robot.launch starts, and what they need
+OF_A_ROBOT = (*OWN_NODES, "slam", "roslaunch", "master", "rosout")  # robot.launch, all it starts, what they need
 ALL_NODES = (*OF_A_ROBOT, "robot", "bag", "monitor", "page")  # of a robot of a team with a status page
 CPU_BAR, PSS_BAR_MB = 0.20, 350.0
 SLOPE_BAR = 0.2  # MB per minute of any node, less twice the standard error

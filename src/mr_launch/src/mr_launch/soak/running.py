@@ -19,6 +19,8 @@ CLOCK_OFFSET = "/robot/clock_offset"  # topic of a simulated robot
 PATIENCE = 5.0  # s for an answer of the radio daemon
 ANSWER_OCTETS = 1 << 16
 _NODE = re.compile(r"__log:=\S*/logs/(?P<robot>[^/\s]+)/nodes/(?P<node>\w+?)(?:-\d+)?\.log")
+# Stays as long as its nodes, to start them again.
+_LAUNCH = re.compile(r"/(?P<node>roslaunch) .*\blog_path:=\S*/logs/(?P<robot>[^/\s]+)(?= |$)")
 
 
 class Node(NamedTuple):
@@ -50,10 +52,10 @@ class RunningMission:
                 yield int(pid), command
 
     def nodes(self) -> list[Node]:
-        """Those of all robots; the master is one."""
+        """Those of all robots; master and roslaunch are two."""
         found = []
         for pid, command in self.processes():
-            match = _NODE.search(command)
+            match = _NODE.search(command) or _LAUNCH.search(command)
             if match and f"{self.out}/" in match[0]:
                 found.append(Node(match["robot"], match["node"], pid))
         return found
