@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -69,11 +70,22 @@ class RunningMission:
 
     def tell_radio(self, command: str, robot: str) -> bool:
         """A line for the control socket of the radio daemon; False unless it knows the robot and has carried it out."""
+        with self._radio() as control:
+            return carried_out(control, command, robot)
+
+    def delivered(self, robot: str) -> int:
+        """How many times a frame of the robot has come to another one so far."""
+        with self._radio() as control:
+            control.send(b"statistics\n")
+            return int(json.loads(control.recv(ANSWER_OCTETS))["robots"][robot]["delivered"])
+
+    @contextlib.contextmanager
+    def _radio(self) -> Iterator[socket.socket]:
         init = json.loads(self.path("team.json").read_text())["init"]
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as control:
             control.settimeout(PATIENCE)
             control.connect(f"/proc/{init}/root{PRIVATE_MOUNT}/{RADIO_CONTROL}")
-            return carried_out(control, command, robot)
+            yield control
 
     def enter(self, robot: str, *command: str) -> str:
         """Output of a command in the place of a robot; nothing if it takes a minute."""
