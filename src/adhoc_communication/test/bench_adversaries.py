@@ -19,7 +19,7 @@ from namespaces import program
 
 SEEDS = range(1, 11)  # of the radio and the robots
 DEFAULT_SEEDS = range(1, 4)  # those with packets of the default's size, which take longer
-PROCESSES = 18  # of each such seed, so that what the allocator keeps of one adversary is not counted for the next
+PROCESSES = 19  # of each such seed, so that what the allocator keeps of one adversary is not counted for the next
 MOST_MEMORY = 64  # MB, of the process with all its robots
 SUITES = (("open team", "Open/AdversarySuite*"), ("sealed team", "Sealed/AdversarySuite*"))
 PACKET = 1_000_000  # octets of the largest packet that robots take

@@ -30,7 +30,7 @@ void Engine::Implementation::receive(const Frame& frame, Time now) {
 
 /// Another run may live at that address than the one that is known.
 void Engine::Implementation::ask_in_doubt(const MacAddress& robot, Time now) {
-  if (runs_.wants_answer(robot, now)) presence_.ask(robot, now);
+  if (runs_.wants_answer(robot, neighbors_.two_way(robot, now), now)) presence_.ask(robot, now);
 }
 
 /// Enters the sender into the table of neighbours; false if there is no room for it.

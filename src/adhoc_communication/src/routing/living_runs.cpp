@@ -40,22 +40,28 @@ bool LivingRuns::heard(const MacAddress& robot, wire::BootTag boot, std::uint64_
 bool LivingRuns::gives_way(Runs& runs, bool to_who_answers, Time now) {
   if (now - runs.heard >= kGone) return true;
   Rival& rival = runs.rival;
-  if (now - rival.last >= kHeardRecently) rival = {now, now, std::nullopt, rival.asked, rival.trusted_until};
+  if (now - rival.last >= kHeardRecently) rival = {now, now, std::nullopt, rival.asked, false, rival.trusted_until};
   rival.last = now;
   last_rival_ = now;
   if (now < rival.trusted_until) return false;
-  if (!rival.doubted) rival.doubted = now;
+  if (!rival.doubted) {
+    rival.doubted = now;
+    rival.two_way = false;
+  }
   const Time silence = now - std::max(runs.heard, *rival.doubted);
-  if (!asks_) return silence >= kUnheardUnasked;
+  const bool asked = asks_ && rival.asked >= *rival.doubted;
+  if (rival.two_way && !asked) return silence >= kUnheardUnasked;
   const int patience = to_who_answers ? 1 : 2;
   return silence >= patience * kUnheard || now - *rival.doubted >= patience * kUnanswered;
 }
 
-bool LivingRuns::wants_answer(const MacAddress& robot, Time now) {
+bool LivingRuns::wants_answer(const MacAddress& robot, bool two_way, Time now) {
   const auto found = robots_.find(robot);
-  if (!asks_ || found == robots_.end()) return false;
+  if (found == robots_.end()) return false;
   Rival& rival = found->second.rival;
-  if (!rival.doubted || now - rival.last >= kUnanswered || now - rival.asked < kAskAgain) return false;
+  if (!rival.doubted || now - rival.last >= kUnanswered) return false;
+  rival.two_way = rival.two_way || two_way;
+  if (!asks_ || !rival.two_way || now - rival.asked < kAskAgain || !questions_.take(now)) return false;
   rival.asked = now;
   return true;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "address_map.hpp"
+#include "routing/rate_limit.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::routing {
@@ -18,7 +19,8 @@ namespace adhoc_communication::routing {
 /// or borrows the address. So it is dropped, and makes the run that lives doubtful: this robot sends it a question. If
 /// that run acknowledges it, it lives, whoever else transmits with its address. If nothing is heard of it for kUnheard,
 /// or it only transmits and acknowledges nothing for kUnanswered, the next run that acknowledges the question is
-/// believed; in twice the time, any. Nothing is kept of the others, however many they are.
+/// believed; in twice the time, any. Nothing is kept of the others, however many they are. A run that has not said that
+/// it hears this robot is not asked; one that there is no time to ask is given kUnheardUnasked.
 ///
 /// A life sign that others tell grows with time only: by a little more than has passed since the first one, or since
 /// the robot itself was last heard to tell one. A greater one counts as the greatest that is possible. One that was
@@ -39,14 +41,16 @@ class LivingRuns {
   static constexpr Time kUnheard = std::chrono::milliseconds(300);  ///< of a run in doubt
   static constexpr Time kUnanswered = std::chrono::seconds(1);
   static constexpr Time kTrust = std::chrono::seconds(1);  ///< after an answer, until it is doubted anew
-  static constexpr Time kAskAgain = std::chrono::milliseconds(100);
+  static constexpr Time kAskAgain = std::chrono::milliseconds(150);
   static constexpr Time kContested = std::chrono::seconds(5);  ///< two robots with one address are told of after this
-  /// The same where robots acknowledge no frames: three beacons of one at rest.
+  /// Of a run in doubt that was not asked: three beacons of one at rest.
   static constexpr Time kUnheardUnasked = std::chrono::milliseconds(3200);
   static constexpr std::uint32_t kSecondsThatProveLife = 2;  ///< by which its life sign has to have grown
   /// How far behind the life sign may be of a former run: in its own beacon, and in what others tell.
   static constexpr Time kBeaconDelay = std::chrono::seconds(2);
   static constexpr Time kRumorDelay = std::chrono::seconds(10);
+
+  static constexpr int kMostQuestions = 32;  ///< in a second
 
   /// `asks`: this robot repeats frames to its neighbours until they are acknowledged.
   explicit LivingRuns(bool asks = true) : asks_(asks) {}
@@ -57,8 +61,8 @@ class LivingRuns {
   /// A frame of the robot itself. False if it is not one of the run that lives, as far as is known. `answers`: it
   /// acknowledges a frame of this robot's.
   bool heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now, bool answers = false);
-  /// Whether it is in doubt, and to be asked now.
-  bool wants_answer(const MacAddress& robot, Time now);
+  /// Whether it is in doubt, and to be asked now. `two_way`: it has said that it hears this robot.
+  bool wants_answer(const MacAddress& robot, bool two_way, Time now);
   /// Two runs have transmitted with this address for kContested.
   bool contested(const MacAddress& robot, Time now) const;
   /// There may be such robots.
@@ -103,6 +107,7 @@ class LivingRuns {
     Time last = -kHeardRecently;
     std::optional<Time> doubted;  ///< since when the run that lives has not answered
     Time asked = -kAskAgain;
+    bool two_way = false;  ///< it was when the doubt began, or since
     Time trusted_until{0};
   };
   struct Runs {
@@ -133,6 +138,7 @@ class LivingRuns {
   static void displace(Runs& runs, wire::BootTag boot);
 
   bool asks_;
+  RateLimit questions_{kMostQuestions};
   Time last_rival_ = -kHeardRecently;
   AddressMap<Runs> robots_;
   Time next_expiry_{0};

@@ -131,12 +131,12 @@ TEST(LivingRuns, ARestartIsBelievedOnceTheFormerRunIsAskedAndSilent) {
     LivingRuns runs;
     runs.heard(kRobot, kEnded, 100, 10s);
     EXPECT_FALSE(runs.heard(kRobot, kLiving, 1, 11s, answers));
-    EXPECT_TRUE(runs.wants_answer(kRobot, 11s));
-    EXPECT_FALSE(runs.wants_answer(kRobot, 11s)) << "it has just been asked";
+    EXPECT_TRUE(runs.wants_answer(kRobot, true, 11s));
+    EXPECT_FALSE(runs.wants_answer(kRobot, true, 11s)) << "it has just been asked";
     const Time end = answers ? 11300ms : 11600ms;
     EXPECT_FALSE(runs.heard(kRobot, kLiving, 2, end - 1ms, answers));
     EXPECT_TRUE(runs.heard(kRobot, kLiving, 3, end, answers));
-    EXPECT_FALSE(runs.wants_answer(kRobot, 12s));
+    EXPECT_FALSE(runs.wants_answer(kRobot, true, 12s));
   }
 }
 
@@ -147,7 +147,7 @@ TEST(LivingRuns, ARunThatAnswersLives) {
   int questions = 0;
   for (Time now = 10s; now < 20s; now += 50ms) {
     EXPECT_FALSE(runs.heard(kRobot, kForged, static_cast<std::uint64_t>(now / 50ms), now));
-    if (!runs.wants_answer(kRobot, now)) continue;
+    if (!runs.wants_answer(kRobot, true, now)) continue;
     ++questions;
     runs.heard(kRobot, kLiving, 1 + static_cast<std::uint64_t>(questions), now + 1ms, true);
   }
@@ -171,6 +171,7 @@ TEST(LivingRuns, ARunThatGoesOnTransmittingOutlivesAForgedOne) {
   LivingRuns runs;
   runs.heard(kRobot, kLiving, 100, 10s);
   runs.heard(kRobot, kForged, 1, 10s);
+  ASSERT_TRUE(runs.wants_answer(kRobot, true, 10s));
   ASSERT_TRUE(runs.heard(kRobot, kForged, 2, 10600ms));
   EXPECT_FALSE(runs.heard(kRobot, kLiving, 101, 10610ms));
   EXPECT_TRUE(runs.heard(kRobot, kLiving, 102, 10910ms, true));
@@ -188,12 +189,45 @@ TEST(LivingRuns, TwoRobotsWithOneAddressAreToldOf) {
   EXPECT_FALSE(runs.any_contested(18s));
 }
 
+/// Frames of ever new runs of made-up robots cost a dozen each.
+TEST(LivingRuns, QuestionsAreBounded) {
+  LivingRuns runs;
+  int questions = 0;
+  for (Time now = 10s; now < 12s; now += 1ms) {
+    for (const bool two_way : {false, true}) {
+      const MacAddress robot = {6, 0, 0, 0, two_way, static_cast<std::uint8_t>(now / 1ms % 250)};
+      runs.heard(robot, static_cast<wire::BootTag>(now.count()), 1, now);
+      const bool asked = runs.wants_answer(robot, two_way, now);
+      EXPECT_TRUE(two_way || !asked);
+      questions += asked;
+    }
+  }
+  EXPECT_GT(questions, LivingRuns::kMostQuestions);
+  EXPECT_LE(questions, 2 * LivingRuns::kMostQuestions);
+}
+
+TEST(LivingRuns, ARunThatThereWasNoTimeToAskIsGivenLonger) {
+  LivingRuns runs;
+  runs.heard(kRobot, kLiving, 1, 10s);
+  runs.heard(kRobot, kForged, 1, 10s);
+  for (std::uint8_t i = 0; i < 2 * LivingRuns::kMostQuestions; ++i) {
+    runs.heard({6, 0, 0, 0, 0, i}, 1, 1, 10s);
+    runs.heard({6, 0, 0, 0, 0, i}, 2, 1, 10s);
+    runs.wants_answer({6, 0, 0, 0, 0, i}, true, 10s);
+  }
+  EXPECT_FALSE(runs.wants_answer(kRobot, true, 10s));
+  EXPECT_FALSE(runs.heard(kRobot, kForged, 2, 10900ms, true));
+  runs.heard(kRobot, kLiving, 2, 10950ms);
+  EXPECT_FALSE(runs.heard(kRobot, kForged, 3, 11s, true));
+}
+
 /// Where robots do not acknowledge frames nobody can be asked.
 TEST(LivingRuns, WithoutQuestionsThreeBeaconsHaveToBeMissing) {
   LivingRuns runs(false);
   runs.heard(kRobot, kEnded, 100, 10s);
-  EXPECT_FALSE(goes_on(runs, kLiving, 1, 10s, 3200ms));
-  EXPECT_FALSE(runs.wants_answer(kRobot, 13s));
+  EXPECT_FALSE(runs.heard(kRobot, kLiving, 1, 10s));
+  EXPECT_FALSE(runs.wants_answer(kRobot, true, 10s));
+  EXPECT_FALSE(goes_on(runs, kLiving, 2, 10050ms, 3100ms));
   EXPECT_TRUE(runs.heard(kRobot, kLiving, 100, 13200ms));
 }
 
@@ -214,7 +248,7 @@ TEST(LivingRuns, WhoAnswersLivesAndARestartIsBelievedWhateverElseIsHeard) {
       }
       if (random.chance(0.04)) runs.heard(kRobot, living, ++counter, now);
       if (random.chance(0.3)) runs.heard(kRobot, 1000 + random.next() % 50, ++counter, now);
-      if (runs.wants_answer(kRobot, now) && random.chance(0.5)) runs.heard(kRobot, living, ++counter, now, true);
+      if (runs.wants_answer(kRobot, true, now) && random.chance(0.5)) runs.heard(kRobot, living, ++counter, now, true);
       if (runs.lives(kRobot, living)) deaf_since = now;
       ASSERT_LE(now - deaf_since, 5s) << "seed " << seed << " at " << now.count();
     }

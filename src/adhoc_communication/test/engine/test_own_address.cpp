@@ -188,5 +188,22 @@ TEST_P(AdversarySuiteWithAnAddress, WhoOnlyTransmitsKeepsNoNewcomerOut) {
   expect_delivered(kRobots, id);
 }
 
+/// Robots that there are not, each frame as another run of one of them: every one was asked, again and again.
+TEST_P(AdversarySuiteWithAnAddress, MadeUpRobotsCostFewQuestions) {
+  std::size_t questions = 0;
+  team_.on_transmission = [&](std::size_t robot, const Frame& frame) {
+    const bool is_beacon = frame.bytes[1] == static_cast<std::uint8_t>(wire::FrameType::kBeacon);
+    questions += robot == 0 && is_beacon && frame.destination != wire::kEverybody;
+  };
+  go_on(
+      [&](int, std::size_t robot) {
+        for (int i = 0; i < 5; ++i, ++run_) impostor(50 + static_cast<std::size_t>(run_) % 200, run_)->prove(robot);
+      },
+      5s);
+  team_.on_transmission = nullptr;
+  EXPECT_GT(questions, 0u);
+  EXPECT_LE(questions, 5u * 32u * 10u) << "each goes out a few times";
+}
+
 }  // namespace
 }  // namespace adhoc_communication
