@@ -27,15 +27,16 @@ bool Engine::Implementation::admits(Carrier carrier, const std::string& source, 
 
 void Engine::Implementation::deliver(Carrier carrier, const std::string& source, wire::BootTag boot, Bytes image,
                                      std::uint8_t hops, Time now) {
-  const std::size_t little = std::max(kMostFloodOctets, 2 * image.size());
   // One frame, which may claim to be any number of zeros, to each robot of the team.
   const std::size_t most = carrier == Carrier::kFlood ? kMostFloodOctets : SIZE_MAX;
   std::optional<transport::Packet> packet =
       transport::parse(std::move(image), std::min(options_.max_packet_size, most));
   if (!packet || !admits(carrier, source, *packet)) return malformed();
   if (packet->kind != transport::PacketKind::kUser) {
-    if (packet->unpacked_size > little || !transport::unpack(packet->payload, packet->unpacked_size))
+    // Unpacked here and now, so that is not to take long; a copy, which may be large, carries what is packed itself.
+    if (packet->unpacked_size > kMostFloodOctets || !transport::unpack(packet->payload, packet->unpacked_size)) {
       return malformed();
+    }
     if (!groups_.take(source, boot, *packet, now)) malformed();
     return settle_groups(now);
   }

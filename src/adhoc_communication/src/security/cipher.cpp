@@ -20,13 +20,11 @@ Nonce nonce_of(std::uint64_t counter) {
 
 }  // namespace
 
-SessionKey derive_session_key(const TeamKey& team_key, const MacAddress& sender, const BootId& boot_id) {
+void derive_session_key(SessionKey& key, const TeamKey& team_key, const MacAddress& sender, const BootId& boot_id) {
   Bytes input(kPurpose, kPurpose + sizeof kPurpose);
   input.insert(input.end(), sender.begin(), sender.end());
   input.insert(input.end(), boot_id.begin(), boot_id.end());
-  SessionKey key{};
   crypto_generichash(key.data(), key.size(), input.data(), input.size(), team_key.data(), team_key.size());
-  return key;
 }
 
 void wipe(std::vector<TeamKey>& keys) {

@@ -12,8 +12,9 @@ namespace adhoc_communication::security {
 /// on a cloned disk.
 using SessionKey = std::array<std::uint8_t, 32>;
 
-/// BLAKE2b of sender and boot id, keyed with the team key.
-SessionKey derive_session_key(const TeamKey& team_key, const MacAddress& sender, const BootId& boot_id);
+/// Becomes BLAKE2b of sender and boot id, keyed with the team key. Written where it is to stand, so that no copy is
+/// left in memory.
+void derive_session_key(SessionKey& key, const TeamKey& team_key, const MacAddress& sender, const BootId& boot_id);
 
 /// Nothing of them is left in memory.
 void wipe(std::vector<TeamKey>& keys);

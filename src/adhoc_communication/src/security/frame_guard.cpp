@@ -7,6 +7,21 @@
 
 namespace adhoc_communication::security {
 
+namespace {
+
+/// Of a key that is needed for a moment only.
+class WipedKey {
+ public:
+  WipedKey() = default;
+  ~WipedKey() { sodium_memzero(key.data(), key.size()); }
+  WipedKey(const WipedKey&) = delete;
+  WipedKey& operator=(const WipedKey&) = delete;
+
+  SessionKey key{};
+};
+
+}  // namespace
+
 FrameGuard::FrameGuard(const Identity& self, std::vector<TeamKey> keys, FramesDropped& dropped)
     : self_(self), dropped_(dropped) {
   set_keys(std::move(keys));
@@ -26,7 +41,7 @@ void FrameGuard::set_keys(std::vector<TeamKey> keys) {
   if (!keys.empty() && sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
   wipe(keys_);
   keys_ = std::move(keys);
-  if (seals()) own_key_ = derive_session_key(keys_.front(), self_.address, self_.boot_id);
+  if (seals()) derive_session_key(own_key_, keys_.front(), self_.address, self_.boot_id);
   for (auto& [run, session] : sessions_) session.forget_key();
 }
 
@@ -64,19 +79,15 @@ std::optional<OpenedFrame> FrameGuard::open_sealed(const wire::FrameHeader& head
   const bool seen = known != sessions_.end() ? known->second.window.seen(header.counter) : header.counter == 0;
   if (seen) return drop(dropped_.replayed);
   std::optional<Bytes> body;
-  std::optional<SessionKey> key;
   if (known != sessions_.end() && known->second.key) {
-    key = known->second.key;
-    body = unseal(*key, frame.bytes, header.counter);
+    body = unseal(*known->second.key, frame.bytes, header.counter);
   }
-  if (!body) {
-    auto found = unseal_with_any_key(header, frame.bytes);
-    if (!found) return drop(dropped_.forged);
-    body = std::move(found->first);
-    key = found->second;
-  }
+  WipedKey other;
+  const bool anew = !body;
+  if (anew) body = unseal_with_any_key(header, frame.bytes, other.key);
+  if (!body) return drop(dropped_.forged);
   Session& session = known != sessions_.end() ? known->second : session_of(run);
-  session.key = key;
+  if (anew) session.key = other.key;
   session.window.take(header.counter);
   session.last_frame = now;
   OpenedFrame opened{header, std::move(*body), wire::Reader(nullptr, 0)};
@@ -84,11 +95,11 @@ std::optional<OpenedFrame> FrameGuard::open_sealed(const wire::FrameHeader& head
   return opened;
 }
 
-std::optional<std::pair<Bytes, SessionKey>> FrameGuard::unseal_with_any_key(const wire::FrameHeader& header,
-                                                                            const Bytes& frame) const {
+std::optional<Bytes> FrameGuard::unseal_with_any_key(const wire::FrameHeader& header, const Bytes& frame,
+                                                     SessionKey& key) const {
   for (const TeamKey& team_key : keys_) {
-    const SessionKey key = derive_session_key(team_key, header.sender, header.boot_id);
-    if (std::optional<Bytes> body = unseal(key, frame, header.counter)) return std::pair(std::move(*body), key);
+    derive_session_key(key, team_key, header.sender, header.boot_id);
+    if (std::optional<Bytes> body = unseal(key, frame, header.counter)) return body;
   }
   return std::nullopt;
 }

@@ -64,8 +64,8 @@ class FrameGuard {
   };
 
   std::optional<OpenedFrame> open_sealed(const wire::FrameHeader& header, const Frame& frame, Time now);
-  std::optional<std::pair<Bytes, SessionKey>> unseal_with_any_key(const wire::FrameHeader& header,
-                                                                  const Bytes& frame) const;
+  /// Tells which key it was.
+  std::optional<Bytes> unseal_with_any_key(const wire::FrameHeader& header, const Bytes& frame, SessionKey& key) const;
   Session& session_of(const RunOfRobot& run);
   std::optional<OpenedFrame> drop(std::uint64_t& counter) const;
 

@@ -368,10 +368,16 @@ void add_groups(Examples& examples) {
 
 // The parts of the file.
 
+security::SessionKey alices_session_key() {
+  security::SessionKey key;
+  security::derive_session_key(key, vector_team_key(), kAlice.address, kAlice.boot_id);
+  return key;
+}
+
 std::string frame_text(const FrameVector& frame) {
   wire::FrameHeader sealed = frame.header;
   sealed.flags |= wire::kSealed;
-  const security::SessionKey key = security::derive_session_key(vector_team_key(), kAlice.address, kAlice.boot_id);
+  const security::SessionKey key = alices_session_key();
   const std::string header = object({{"type", number(static_cast<std::uint8_t>(frame.header.type))},
                                      {"flags", number(frame.header.flags)},
                                      {"sender", hex(frame.header.sender)},
@@ -473,7 +479,7 @@ std::vector<FrameVector> frame_vectors() {
 }
 
 std::string protocol_vectors() {
-  const security::SessionKey key = security::derive_session_key(vector_team_key(), kAlice.address, kAlice.boot_id);
+  const security::SessionKey key = alices_session_key();
   const std::vector<MacAddress> members{kAlice.address, kBob.address, kCarol.address};
   const std::string digests = lines(members, [](const MacAddress& member) {
     return object({{"address", hex(member)}, {"digest", number(multicast::digest(member))}});

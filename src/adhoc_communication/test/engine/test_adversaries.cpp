@@ -7,6 +7,7 @@
 
 #include "host.hpp"
 #include "insider.hpp"
+#include "multicast/groups.hpp"
 #include "transport/packet_image.hpp"
 
 namespace adhoc_communication {
@@ -65,6 +66,37 @@ TEST(Adversary, AFloodUnpacksToLittle) {
   say(stage, forger, flood_of(forger, zeros(9'000'000), 2));
   EXPECT_EQ(stage.team.received(0).size(), 1u);
   EXPECT_EQ(stage.malformed(), 1u);
+}
+
+/// Words on groups unpack where they arrive. What was allowed grew with the packet: ten megabytes of one of five.
+TEST(Adversary, WordsOnGroupsUnpackToLittleHoweverLongTheyAre) {
+  Stage stage;
+  Host& forger = stage.neighbor(1);
+  stage.run_for(10ms);
+  std::uint32_t packet = 0;
+  const auto say_copy = [&](std::size_t octets) {
+    const transport::Image carried = transport::encode({PacketKind::kUser, 'A', "mc_host_1", "topic", noise(100)});
+    Bytes payload = multicast::encode_copy({3, 1, carried});
+    const Bytes rest = noise(octets / 2);
+    payload.insert(payload.end(), rest.begin(), rest.end());
+    payload.resize(octets);
+    const transport::Image image = transport::encode({PacketKind::kGroupCopy, 0, "mc_host_1", {}, payload});
+    ASSERT_LT(image->size(), 2 * octets / 3);
+    ASSERT_GE(2 * image->size(), octets);
+    wire::Data segment = segment_of(image, stage.self(), forger, ++packet);
+    for (std::size_t begin = 0; begin < image->size(); begin += segment.segment_size, ++segment.index) {
+      const std::size_t end = std::min<std::size_t>(image->size(), begin + segment.segment_size);
+      segment.octets.assign(image->begin() + static_cast<std::ptrdiff_t>(begin),
+                            image->begin() + static_cast<std::ptrdiff_t>(end));
+      stage.say(forger, segment);
+    }
+  };
+  say_copy(64'000);
+  EXPECT_EQ(stage.malformed(), 0u);
+  say_copy(64'001);
+  EXPECT_EQ(stage.malformed(), 1u);
+  say_copy(200'000);
+  EXPECT_EQ(stage.malformed(), 2u);
 }
 
 /// Bombs that a host does not fetch in time filled its memory, 4096 of them; and each took the engine's time.

@@ -76,8 +76,8 @@ TEST(ProtocolVectors, EveryTypeIsThereAndIsRead) {
     types.insert(vector.header.type);
     wire::FrameHeader sealed = vector.header;
     sealed.flags |= wire::kSealed;
-    const security::SessionKey key =
-        security::derive_session_key(vector_team_key(), vector.header.sender, vector.header.boot_id);
+    security::SessionKey key;
+    security::derive_session_key(key, vector_team_key(), vector.header.sender, vector.header.boot_id);
     const Frame in_the_open{vector.header.next_hop, vector.header.sender,
                             wire::close_openly(vector.header, vector.body)};
     const Frame under_seal{vector.header.next_hop, vector.header.sender, security::seal(key, sealed, vector.body)};
