@@ -102,9 +102,9 @@ def wait_for_state(robot, condition):
 
 
 @contextlib.contextmanager
-def own_node(name, timings):
+def own_node(name, timings, **parameters):
     """A further robot with these timings, its process; at the end, the others have noticed that it is gone."""
-    rospy.set_param(f"/{name}/adhoc_communication/timings", timings)
+    rospy.set_param(f"/{name}/adhoc_communication", {"timings": timings, **parameters})
     command = [program("adhoc_communication"), f"__ns:={name}", f"_robot_name:={name}"]
     node = subprocess.Popen([*command, f"_interface:=hub:{rospy.get_param('~hub')}"], stdout=subprocess.DEVNULL)
     try:
@@ -425,6 +425,29 @@ class Failures(unittest.TestCase):
             self.assertTrue(failures.empty(), "the others go on")
         for thread in [*threads, send_newer]:
             thread.join()
+
+    def test_lifetime_and_newest_only_as_parameters(self):
+        failures = queue.Queue()
+
+        def send(topic):
+            try:
+                call("terse", "send_string", dst_robot="nobody", topic=topic, data="x")
+            except rospy.ServiceException as error:
+                failures.put(str(error))
+
+        with own_node("terse", {"route_request_wait": 2000}, send_lifetime=3.0, newest_only="/pose"):
+            wait_for_state("terse", lambda state: {"bob", "carol"} <= set(state.robots))
+            send("other")
+            self.assertIn("within its lifetime of 3 s", failures.get(timeout=20))
+            threads = [threading.Thread(target=send, args=(topic,)) for topic in ("pose", "pose", "other", "other")]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            ends = sorted(failures.get_nowait().split(": ")[-1] for _ in threads)
+            self.assertIn("a newer packet for topic 'pose' has taken its place", ends[0])
+            self.assertIn("within its lifetime of 3 s", ends[1])
+            self.assertEqual(ends[1:], 3 * [ends[1]], "of the others each goes on")
 
     def test_start_is_refused_with_one_sentence(self):
         hub = "hub:" + rospy.get_param("~hub")

@@ -73,6 +73,7 @@ struct BroadcastRequest {
   std::uint8_t hop_limit = 1;
   bool latched = true;
   std::uint32_t unpacked_size = 0;  ///< as in SendRequest
+  Time lifetime{0};                 ///< it does not wait longer for the air; 0: as long as it takes
 };
 
 struct PacketReceived {

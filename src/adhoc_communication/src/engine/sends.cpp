@@ -12,10 +12,11 @@ using transport::Sending;
 
 namespace {
 
-std::string lifetime_text(Time lifetime) {
+/// `missed`: which members of a group it has not reached.
+std::string not_delivered(const std::string& missed, Time lifetime) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g s", static_cast<double>(lifetime.count()) * 1e-9);
-  return text;
+  return "not delivered" + missed + " within its lifetime of " + text;
 }
 
 }  // namespace
@@ -83,6 +84,7 @@ bool Engine::Implementation::replace(SendId former, SendId id, const Image& imag
 SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
   touch(now);
   if (request.topic.empty()) return refuse("the topic is empty");
+  if (request.lifetime < Time(0)) return refuse("the lifetime is negative");
   if (request.unpacked_size > kMostFloodOctets) {
     return refuse("packet of " + std::to_string(request.unpacked_size) +
                   " octets is more than a flood may unpack to, which is " + std::to_string(kMostFloodOctets));
@@ -105,7 +107,7 @@ SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
     return refuse("packet of " + std::to_string(body.size()) +
                   " octets does not fit the one frame of a flood, which takes " + std::to_string(longest_flood_));
   }
-  if (!flood_.originate(sends_.next_id(), std::move(body))) {
+  if (!flood_.originate(sends_.next_id(), std::move(body), request.lifetime, now)) {
     return refuse(std::to_string(transport::FloodRelay::kMostWaiting) + " broadcasts wait for the air already");
   }
   return sends_.take_id();
@@ -115,6 +117,10 @@ void Engine::Implementation::finish_floods() {
   for (const SendId id : flood_.take_sent()) {
     ++statistics_.packets_sent;
     report(SendFinished{id, true, {}, false});
+  }
+  for (const auto& [id, lifetime] : flood_.take_overdue()) {
+    ++statistics_.packets_failed;
+    report(SendFinished{id, false, not_delivered({}, lifetime), false});
   }
 }
 
@@ -150,7 +156,7 @@ void Engine::Implementation::cancel(SendId id, Time now) {
   } else {
     streams_.drop(sending.destination, sending.priority, id, now);
   }
-  finish(id, false, "not delivered" + missed + " within its lifetime of " + lifetime_text(sending.lifetime), now);
+  finish(id, false, not_delivered(missed, sending.lifetime), now);
 }
 
 /// Tells which members it has not reached.

@@ -194,6 +194,7 @@ std::uint8_t Services::send(const std::string& service, SendRequest request) {
 std::uint8_t Services::broadcast(const std::string& service, BroadcastRequest request) {
   local_topic("", request.topic);
   const std::size_t octets = request.payload.size();
+  request.lifetime = terms_.lifetime;
   return finish(service, octets, [&] { return host_.broadcast(std::move(request)); });
 }
 

@@ -21,22 +21,31 @@ bool FloodRelay::take(const wire::Flood& flood, Time now) {
   return true;
 }
 
-bool FloodRelay::originate(SendId id, Bytes body) {
+bool FloodRelay::originate(SendId id, Bytes body, Time lifetime, Time now) {
   if (waiting_.size() >= kMostWaiting) return false;
-  waiting_.emplace_back(id, std::move(body));
+  waiting_.push_back({id, std::move(body), lifetime, lifetime > Time(0) ? now + lifetime : Time::max()});
   return true;
 }
 
 std::vector<SendId> FloodRelay::take_waiting() {
   std::vector<SendId> ids;
-  for (const auto& [id, body] : std::exchange(waiting_, {})) ids.push_back(id);
+  for (const Waiting& flood : std::exchange(waiting_, {})) ids.push_back(flood.id);
   return ids;
 }
 
+void FloodRelay::drop_overdue(Time now) {
+  const auto overdue = std::stable_partition(waiting_.begin(), waiting_.end(),
+                                             [now](const Waiting& flood) { return flood.until > now; });
+  std::for_each(overdue, waiting_.end(),
+                [this](const Waiting& flood) { overdue_.emplace_back(flood.id, flood.lifetime); });
+  waiting_.erase(overdue, waiting_.end());
+}
+
 void FloodRelay::poll(Time now) {
+  drop_overdue(now);
   while (!waiting_.empty() && outbox_.air_ready() <= now) {
-    outbox_.broadcast(wire::FrameType::kFlood, std::move(waiting_.front().second), now);
-    sent_.push_back(waiting_.front().first);
+    outbox_.broadcast(wire::FrameType::kFlood, std::move(waiting_.front().body), now);
+    sent_.push_back(waiting_.front().id);
     waiting_.pop_front();
   }
   for (std::size_t i = 0; i < pending_.size();) {
@@ -51,6 +60,7 @@ void FloodRelay::poll(Time now) {
 
 Time FloodRelay::next_deadline() const {
   Time next = waiting_.empty() ? Time::max() : outbox_.air_ready();
+  for (const Waiting& flood : waiting_) next = std::min(next, flood.until);
   for (const auto& [due, flood] : pending_) next = std::min(next, due);
   return next;
 }

@@ -24,12 +24,15 @@ class FloodRelay {
 
   FloodRelay(Outbox& outbox, Random& random) : outbox_(outbox), random_(random) {}
 
-  /// An own flood, which waits until the radio has room for it. False when too many do.
-  bool originate(SendId id, Bytes body);
+  /// An own flood, which waits until the radio has room for it, but not longer than its lifetime (0: none). False when
+  /// too many do.
+  bool originate(SendId id, Bytes body, Time lifetime, Time now);
   /// Those that have not gone out, and will not any more.
   std::vector<SendId> take_waiting();
   /// Those that went out.
   std::vector<SendId> take_sent() { return std::exchange(sent_, {}); }
+  /// Those that have waited too long, and how long they might have.
+  std::vector<std::pair<SendId, Time>> take_overdue() { return std::exchange(overdue_, {}); }
   /// True when the flood is new; it is then passed on if its hop limit allows.
   bool take(const wire::Flood& flood, Time now);
   void poll(Time now);
@@ -38,13 +41,22 @@ class FloodRelay {
 
  private:
   using Key = std::tuple<MacAddress, wire::BootTag, std::uint32_t>;
+  struct Waiting {
+    SendId id;
+    Bytes body;
+    Time lifetime;
+    Time until;
+  };
+
+  void drop_overdue(Time now);
 
   Outbox& outbox_;
   Random& random_;
   std::map<Key, Time> seen_;
   std::vector<std::pair<Time, wire::Flood>> pending_;
-  std::deque<std::pair<SendId, Bytes>> waiting_;
+  std::deque<Waiting> waiting_;
   std::vector<SendId> sent_;
+  std::vector<std::pair<SendId, Time>> overdue_;
 };
 
 }  // namespace adhoc_communication::transport

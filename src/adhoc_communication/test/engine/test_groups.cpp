@@ -332,6 +332,41 @@ TEST(Flood, WaitsForTheAir) {
   EXPECT_EQ(team.received(1).size(), ids.size());
 }
 
+/// `send_lifetime` did nothing for them.
+TEST(Flood, DoesNotWaitLongerThanItsLifetime) {
+  MediumOptions medium;
+  medium.bit_rate = 1e6;
+  Team team(medium);
+  team.add_line(2);
+  team.run_for(2s);
+  std::vector<SendId> ids;
+  for (int i = 0; i < 40; ++i) {
+    BroadcastRequest request{"topic", 'A', noise(1200), 1};
+    request.lifetime = i % 2 == 0 ? 20ms : 0ms;
+    ids.push_back(team.broadcast(0, std::move(request)));
+  }
+  BroadcastRequest never{"topic", 'A', noise(1200), 1};
+  never.lifetime = -1ms;
+  const SendId refused = team.broadcast(0, std::move(never));
+  const Time begin = team.now();
+  team.run_for(3s);
+  std::size_t sent = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const SendFinished* end = team.finished(0, ids[i]);
+    ASSERT_NE(end, nullptr);
+    sent += end->delivered ? 1 : 0;
+    if (i % 2 != 0) EXPECT_TRUE(end->delivered);
+    if (!end->delivered) {
+      EXPECT_EQ(end->reason, "not delivered within its lifetime of 0.02 s");
+      EXPECT_EQ(team.finished_at(0, ids[i]) - begin, 20ms);
+    }
+  }
+  EXPECT_TRUE(team.finished(0, ids.front())->delivered);
+  EXPECT_FALSE(team.finished(0, ids[38])->delivered);
+  EXPECT_EQ(team.received(1).size(), sent) << "nothing of the others goes out";
+  EXPECT_EQ(team.finished(0, refused)->reason, "the lifetime is negative");
+}
+
 TEST(Groups, StateTellsTreeNeighboursAndMembersApart) {
   Team team;
   team.add_line(4);
