@@ -177,9 +177,9 @@ class EndUnderLoad(unittest.TestCase):
 class Bands(unittest.TestCase):
     """Which frames go by which socket is tested beside the link itself."""
 
-    def test_the_node_has_a_socket_of_higher_priority(self):
+    def test_the_node_has_a_socket_of_each_access_category(self):
         with Team(["robot_0"]) as team:
-            self.assertEqual(sorted(priorities_of_packet_sockets(team["robot_0"].node.pid)), [0, 256 + 6])
+            self.assertEqual(sorted(priorities_of_packet_sockets(team["robot_0"].node.pid)), [0, 256 + 4, 256 + 6])
 
 
 class Capabilities(unittest.TestCase):

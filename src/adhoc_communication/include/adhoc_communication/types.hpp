@@ -39,12 +39,14 @@ using BootId = std::array<std::uint8_t, 16>;
 using TeamKey = std::array<std::uint8_t, 32>;
 
 /// What a link carries: everything behind the Ethernet header, and the two addresses of that header.
+/// The queue of the radio that a frame is for (IEEE 802.11e), where the link has several.
+enum class AccessCategory : std::uint8_t { kBestEffort, kVideo, kVoice };
+
 struct Frame {
   MacAddress destination{};
   MacAddress source{};
   Bytes bytes;
-  /// Presence, routes, acknowledgments: goes ahead of data where the link has a queue of its own for that.
-  bool control = false;
+  AccessCategory category = AccessCategory::kBestEffort;
 };
 
 enum class Priority : std::uint8_t { kControl = 0, kPosition = 1, kNormal = 2, kBulk = 3 };

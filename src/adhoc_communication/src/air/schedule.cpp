@@ -72,7 +72,8 @@ bool Schedule::send_broadcast(std::uint8_t priority, Time now) {
   transport::BroadcastSender& broadcasts = broadcasts_[priority];
   if (!broadcasts.has_segment() || air_.ready_at() > now) return false;
   auto [data, finished] = broadcasts.next_segment();
-  transmitter_.transmit(FrameType::kBroadcastData, wire::kEverybody, to_bytes(data), now);
+  transmitter_.transmit(FrameType::kBroadcastData, wire::kEverybody, {0, 0, transmitter_.take_counter(), priority},
+                        to_bytes(data), now);
   if (finished) finished_.push_back(*finished);
   return true;
 }
@@ -89,7 +90,8 @@ bool Schedule::send_group_frame(const MacAddress& previous_hop, std::uint8_t pri
   const bool same = std::exchange(last_group_destination_, frame->destination) == frame->destination;
   group_pair_ = same ? (group_pair_ + 1) % (air_.calibrated(frame->destination) ? AirClock::kPairInterval : 2) : 1;
   transport::count(statistics_.group_data, previous_hop != MacAddress{}, frame->again);
-  transmitter_.transmit(FrameType::kGroupData, frame->destination, {0, 0, last_group_counter_}, frame->body, now);
+  transmitter_.transmit(FrameType::kGroupData, frame->destination, {0, 0, last_group_counter_, priority}, frame->body,
+                        now);
   return true;
 }
 

@@ -6,12 +6,13 @@ using wire::FrameType;
 
 namespace {
 
-/// Frames of which the hop ARQ keeps the order stay in one queue of the radio: one that overtakes others would make
-/// them look lost.
-bool is_control(FrameType type, std::uint8_t flags) {
-  const bool is_data = type == FrameType::kData || type == FrameType::kTransportAcknowledgment ||
-                       type == FrameType::kBroadcastData || type == FrameType::kFlood || type == FrameType::kGroupData;
-  return !is_data && (flags & wire::kWantsAcknowledgment) == 0;
+/// Frames of one priority are in one queue of the radio, so that those of a stream stay in order. The few others that
+/// one may overtake there arrive before the hop acknowledges without them.
+AccessCategory category_of(FrameType type, std::uint8_t priority) {
+  if (type == FrameType::kFlood || priority > static_cast<std::uint8_t>(Priority::kPosition)) {
+    return AccessCategory::kBestEffort;
+  }
+  return priority == static_cast<std::uint8_t>(Priority::kControl) ? AccessCategory::kVoice : AccessCategory::kVideo;
 }
 
 }  // namespace
@@ -20,7 +21,7 @@ void Transmitter::transmit(FrameType type, const MacAddress& next_hop, const Lab
                            Time now) {
   const wire::FrameHeader header{type,           labels.flags, self_.address,       self_.boot_id,
                                  labels.counter, next_hop,     labels.link_sequence};
-  Frame frame{next_hop, self_.address, guard_.close(header, body), is_control(type, labels.flags)};
+  Frame frame{next_hop, self_.address, guard_.close(header, body), category_of(type, labels.priority)};
   if (type != FrameType::kBeacon && type != FrameType::kHopAcknowledgment) rhythm_.happened(now);
   ++statistics_.frames_sent;
   ++statistics_.frames_sent_by_type[static_cast<std::size_t>(type)];

@@ -27,6 +27,7 @@ class Transmitter {
     std::uint8_t flags = 0;
     std::uint32_t link_sequence = 0;
     std::uint64_t counter = 0;
+    std::uint8_t priority = static_cast<std::uint8_t>(Priority::kControl);
   };
   /// `next_hop`: a neighbour, or wire::kEverybody.
   void transmit(wire::FrameType type, const MacAddress& next_hop, const Labels& labels, const Bytes& body, Time now);

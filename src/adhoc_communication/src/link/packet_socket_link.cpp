@@ -44,16 +44,16 @@ FileDescriptor open_socket(const std::string& interface) {
   throw LinkError("cannot open a raw socket for interface '" + interface + "': " + std::strerror(errno));
 }
 
-/// SO_PRIORITY of frames of control. mac80211 takes 256 to 263 for the eight priorities of IEEE 802.1D, 6 being that of
-/// voice, and leaves all others at best effort; queues of the kernel look at the last four bits and put 6 first, too.
-constexpr int kControlPriority = 256 + 6;
-/// The greatest that needs no right; mac80211 does not look at it.
-constexpr int kUnprivilegedPriority = 6;
+/// Priorities of IEEE 802.1D. Of the two of video, queues of the kernel put the other one behind best effort.
+constexpr int kVideo = 4;
+constexpr int kVoice = 6;
 
-FileDescriptor open_control_socket(const std::string& interface) {
+/// mac80211 takes an SO_PRIORITY of 256 to 263 for the eight priorities of IEEE 802.1D, and leaves all others at best
+/// effort; queues of the kernel look at the last four bits and put 6 first, too. Those up to 6 need no right.
+FileDescriptor open_urgent_socket(const std::string& interface, int user_priority) {
   FileDescriptor descriptor = open_socket(interface);
   const RaisedCapabilities raised;
-  for (const int priority : {kControlPriority, kUnprivilegedPriority}) {
+  for (const int priority : {256 + user_priority, user_priority}) {
     if (setsockopt(descriptor.get(), SOL_SOCKET, SO_PRIORITY, &priority, sizeof priority) == 0) break;
   }
   return descriptor;
@@ -113,10 +113,12 @@ void PacketSocketLink::open() {
   setsockopt(descriptor.get(), SOL_SOCKET, SO_RCVBUF, &buffer_size, sizeof buffer_size);
   const int with_arrival = 1;
   setsockopt(descriptor.get(), SOL_SOCKET, SO_TIMESTAMPNS, &with_arrival, sizeof with_arrival);
-  FileDescriptor control = open_control_socket(interface_);
-  // All three or none: a link that knows the new interface does not look for it again.
+  FileDescriptor video = open_urgent_socket(interface_, kVideo);
+  FileDescriptor voice = open_urgent_socket(interface_, kVoice);
+  // All four or none: a link that knows the new interface does not look for it again.
   index_ = static_cast<int>(index);
-  control_socket_ = std::move(control);
+  video_socket_ = std::move(video);
+  voice_socket_ = std::move(voice);
   socket_ = std::move(descriptor);
   read_interface();
 }
@@ -164,11 +166,16 @@ void PacketSocketLink::send(const Frame* first, std::size_t count) {
     return;
   }
   for (const Frame* end = first + count; first != end;) {
-    const bool control = first->control;
-    const Frame* other = std::find_if(first, end, [&](const Frame& frame) { return frame.control != control; });
-    send_by(control ? control_socket_.get() : socket_.get(), first, static_cast<std::size_t>(other - first));
+    const AccessCategory category = first->category;
+    const Frame* other = std::find_if(first, end, [&](const Frame& frame) { return frame.category != category; });
+    send_by(socket_of(category), first, static_cast<std::size_t>(other - first));
     first = other;
   }
+}
+
+int PacketSocketLink::socket_of(AccessCategory category) const {
+  if (category == AccessCategory::kVoice) return voice_socket_.get();
+  return category == AccessCategory::kVideo ? video_socket_.get() : socket_.get();
 }
 
 void PacketSocketLink::send_by(int socket, const Frame* first, std::size_t count) {
@@ -182,10 +189,14 @@ void PacketSocketLink::send_by(int socket, const Frame* first, std::size_t count
   if (outcome.error == ENETDOWN || outcome.error == ENXIO || outcome.error == ENODEV) up_ = false;
 }
 
-/// The kernel counts frames to the socket until the driver is done with them.
+/// The kernel counts frames to the socket until the driver is done with them. Those of voice are left out: single
+/// frames, which wait for nobody.
 bool PacketSocketLink::keeps_frames() const {
-  int octets = 0;
-  return ioctl(socket_.get(), SIOCOUTQ, &octets) == 0 && octets > 0;
+  const auto keeps = [](const FileDescriptor& socket) {
+    int octets = 0;
+    return ioctl(socket.get(), SIOCOUTQ, &octets) == 0 && octets > 0;
+  };
+  return keeps(socket_) || keeps(video_socket_);
 }
 
 void PacketSocketLink::tend() {

@@ -16,7 +16,7 @@ class PacketSocketLink : public Link {
   int descriptor() const override { return socket_.get(); }
   int receive(const FrameTaker& take) override;
   using Link::send;
-  /// Frames of control go to the queue of their access category (IEEE 802.11e), by a socket of their own.
+  /// Each frame goes to the queue of its access category (IEEE 802.11e); each category has a socket of its own.
   void send(const Frame* first, std::size_t count) override;
   bool keeps_frames() const override;
   void tend() override;
@@ -34,6 +34,7 @@ class PacketSocketLink : public Link {
   void open();
   void read_interface();
   void count_missed();
+  int socket_of(AccessCategory category) const;
   void send_by(int socket, const Frame* first, std::size_t count);
   bool concerns_us(const Frame& frame) const;
 
@@ -41,7 +42,8 @@ class PacketSocketLink : public Link {
   std::optional<MacAddress> given_address_;
   std::string robot_name_;
   FileDescriptor socket_;
-  FileDescriptor control_socket_;  ///< sends only
+  FileDescriptor video_socket_;  ///< sends only, as the next one
+  FileDescriptor voice_socket_;
   MacAddress address_{};
   int index_ = 0;
   int mtu_ = 0;

@@ -212,7 +212,8 @@ void Hops::start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now)
     if (frame.type == FrameType::kData) {
       count(statistics_.unicast_data, frame.previous_hop != MacAddress{}, frame.again);
     }
-    return transmitter_.transmit(frame.type, neighbor, frame.body, now);
+    return transmitter_.transmit(frame.type, neighbor, {0, 0, transmitter_.take_counter(), frame.priority}, frame.body,
+                                 now);
   }
   const std::uint64_t counter = transmitter_.take_counter();
   put_on_air(neighbor, hop, hop.sender.start(std::move(frame), counter, now), counter, now);
@@ -247,7 +248,8 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   if (at_once) hop.sender.ask(counter, now);
   const auto flags = static_cast<std::uint8_t>(wire::kWantsAcknowledgment | (at_once ? wire::kAcknowledgeNow : 0));
   if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);
-  transmitter_.transmit(outgoing.type, neighbor, {flags, outgoing.link_sequence, counter}, *outgoing.body, now);
+  transmitter_.transmit(outgoing.type, neighbor, {flags, outgoing.link_sequence, counter, outgoing.priority},
+                        *outgoing.body, now);
 }
 
 bool Hops::is_turn(const MacAddress& neighbor, std::uint8_t priority, Time now) const {

@@ -1,6 +1,7 @@
-// Which frames may overtake others in the radio.
+// Which queue of the radio each frame is for.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 #include "host.hpp"
@@ -11,23 +12,40 @@ namespace {
 using namespace std::chrono_literals;
 using wire::FrameType;
 
-TEST(ControlFrames, AreThoseWhoseOrderNobodyKeeps) {
+/// Users' messages of the priorities control and position waited behind other traffic as maps do.
+TEST(ControlFrames, AccessCategoriesFollowPriorities) {
   Stage stage;
   Host& neighbor = stage.neighbor(1);
   stage.run_for(50ms);
-  stage.team.send(0, neighbor.name, Bytes(100));
-  stage.team.send(0, "nobody", Bytes(100));
-  stage.run_for(300ms);
-  std::set<FrameType> control, others;
-  for (const auto& [at, frame] : stage.frames()) {
-    const bool asks_for_acknowledgment = (frame.bytes[2] & wire::kWantsAcknowledgment) != 0;
-    EXPECT_FALSE(frame.control && asks_for_acknowledgment);
-    (frame.control ? control : others).insert(static_cast<FrameType>(frame.bytes[1]));
+  for (const Priority priority : {Priority::kControl, Priority::kPosition, Priority::kNormal, Priority::kBulk}) {
+    stage.team.send(0, neighbor.name, Bytes(100), priority);
+    stage.team.send(0, "", Bytes(100), priority);
   }
-  EXPECT_EQ(control.count(FrameType::kBeacon), 1u);
-  EXPECT_EQ(control.count(FrameType::kRouteRequest), 1u);
-  EXPECT_EQ(control.count(FrameType::kData), 0u);
-  EXPECT_EQ(others.count(FrameType::kData), 1u);
+  stage.team.send(0, "nobody", Bytes(100));
+  stage.team.broadcast(0, {"topic", 'A', Bytes(100), 1});
+  stage.run_for(300ms);
+  std::map<FrameType, std::multiset<AccessCategory>> categories;
+  std::map<Priority, std::set<AccessCategory>> of_data;
+  for (const auto& [at, frame] : stage.frames()) {
+    const auto type = static_cast<FrameType>(frame.bytes[1]);
+    categories[type].insert(frame.category);
+    if (type != FrameType::kData) continue;
+    const auto data = wire::read_data(wire::open_body(frame.bytes).value());
+    of_data[static_cast<Priority>(data->stream)].insert(frame.category);
+  }
+  const std::set<AccessCategory> best_effort{AccessCategory::kBestEffort};
+  EXPECT_EQ(of_data[Priority::kControl], std::set<AccessCategory>{AccessCategory::kVoice});
+  EXPECT_EQ(of_data[Priority::kPosition], std::set<AccessCategory>{AccessCategory::kVideo});
+  EXPECT_EQ(of_data[Priority::kNormal], best_effort);
+  EXPECT_EQ(of_data[Priority::kBulk], best_effort);
+  const std::multiset<AccessCategory> each{AccessCategory::kVoice, AccessCategory::kVideo, AccessCategory::kBestEffort,
+                                           AccessCategory::kBestEffort};
+  EXPECT_EQ(categories[FrameType::kBroadcastData], each);
+  EXPECT_EQ(categories[FrameType::kFlood], std::multiset<AccessCategory>{AccessCategory::kBestEffort});
+  for (const FrameType type : {FrameType::kBeacon, FrameType::kRouteRequest}) {
+    EXPECT_GT(categories[type].size(), 0u);
+    EXPECT_EQ(categories[type].count(AccessCategory::kVoice), categories[type].size());
+  }
 }
 
 }  // namespace

@@ -195,14 +195,15 @@ std::vector<int> priorities() {
   return found;
 }
 
-TEST_F(PacketSocketLinkTest, ControlGoesBySocketOfHigherPriority) {
+TEST_F(PacketSocketLinkTest, EachAccessCategoryHasASocketOfItsPriority) {
   ASSERT_TRUE(priorities().empty());
   PacketSocketLink near("near0", std::nullopt, "near");
-  EXPECT_EQ(priorities(), (std::vector<int>{0, 262}));
+  EXPECT_EQ(priorities(), (std::vector<int>{0, 260, 262}));
   PacketSocketLink far("far0", std::nullopt, "far");
   wait_for_cable(near, far);
   std::vector<Frame> sent = frames(near, far.address(), 9);
-  for (const std::size_t control : {0, 3, 4, 8}) sent[control].control = true;
+  for (const std::size_t voice : {0, 3, 4, 8}) sent[voice].category = AccessCategory::kVoice;
+  for (const std::size_t video : {1, 5}) sent[video].category = AccessCategory::kVideo;
   send(near, sent);
   const std::vector<Frame> heard = received(far, sent.size());
   ASSERT_EQ(heard.size(), sent.size());
