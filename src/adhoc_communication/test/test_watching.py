@@ -229,6 +229,18 @@ class Top(unittest.TestCase):
         for word in ("neighbour", "destination", "mc_alice", "relayed topic", "/alice/plan"):
             self.assertIn(word, result.stdout)
 
+    def test_frames_by_type_and_what_the_socket_dropped(self):
+        """Neither was shown."""
+        before, now = (NetworkState(frames_sent_by_type=[0] * 15, frames_received_by_type=[0] * 15) for _ in range(2))
+        now.stamp.secs, now.frames_missed = 2, 7
+        now.frames_sent_by_type[BEACON], now.frames_received_by_type[DATA] = 4, 10
+        text = top.plain([top.section(time.monotonic(), now, before)])
+        self.assertIn("  7 frames missed while the interface's queue was full\n", text)
+        lines = [line.split() for line in text.splitlines()]
+        self.assertIn(["beacon", "4", "2.0/s", "0", "0.0/s"], lines)
+        self.assertIn(["data", "0", "0.0/s", "10", "5.0/s"], lines)
+        self.assertNotIn("flood", text)
+
     def test_live_view_goes_on(self):
         """Plain lines where there is no terminal, one view after the other."""
         command = ["rosrun", "adhoc_communication", "adhoc_top", "--interval", "0.1"]

@@ -278,6 +278,24 @@ TEST(Requests, A5_1_A5_2_ARepeatedRequestIsDroppedButItsTransmitterNoted) {
   EXPECT_EQ(stage.requests().size(), 1u);
 }
 
+/// A run counts its requests from the beginning: the first ones of the next run had the numbers of the first ones of
+/// the run before, and were taken for repetitions.
+TEST(Requests, A5_2_TheNextRunOfARobotCountsAnew) {
+  Stage stage;
+  Host& b = stage.neighbor(2, false);
+  stage.acknowledge(b);
+  Host restarted = kFarther;
+  restarted.boot_id[0] ^= 0xff;
+  stage.say(b, request_for(kFar, kFarther));
+  stage.run_for(100ms);
+  EXPECT_EQ(stage.requests().size(), 1u);
+  for (int i = 0; i < 2; ++i) {
+    stage.say(b, request_for(kFar, restarted));
+    stage.run_for(100ms);
+    EXPECT_EQ(stage.requests().size(), 2u);
+  }
+}
+
 /// How often a request is passed on that a says, b repeats at once, and a once more after the pause.
 std::size_t passed_on_with(const Timings& timings, Time pause) {
   RequestLine line(with(timings));

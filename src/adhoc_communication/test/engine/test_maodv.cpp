@@ -9,6 +9,7 @@
 #include "host.hpp"
 #include "insider.hpp"
 #include "multicast/groups.hpp"
+#include "texts.hpp"
 #include "transport/packet_image.hpp"
 #include "tree_invariants.hpp"
 
@@ -70,6 +71,20 @@ TEST(Trees, B2_1_ATreeTellsRootEpochAndNeighbors) {
   const GroupState state = branch.node().group_state("mc_" + branch.a.name);
   EXPECT_TRUE(state.known && state.activated && !state.root);
   EXPECT_EQ(state.downlinks, std::vector<std::string>{branch.b.name});
+}
+
+/// Only beacons tell names, and a tree may reach a robot of which none was heard yet.
+TEST(Trees, NeighborsWithoutANameAreShownByTheirAddress) {
+  Branch branch;
+  Host& above = branch.neighbor(3, false);
+  Host& below = branch.neighbor(4, false);
+  branch.acknowledge(above);
+  branch.acknowledge(below);
+  branch.give_route(below, kFar);
+  branch.activate(above, 7, {branch.self().address, kFar.address});
+  const GroupState state = branch.node().group_state("mc_" + branch.a.name);
+  EXPECT_EQ(state.downlinks, std::vector<std::string>{address_text(below.address)});
+  EXPECT_EQ(state.route_uplink.rfind("Next hop:" + address_text(above.address) + " ", 0), 0u) << state.route_uplink;
 }
 
 TEST(Trees, B2_4_EpochsAreComparedAsSequenceNumbers) {

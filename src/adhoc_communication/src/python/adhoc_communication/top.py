@@ -23,6 +23,12 @@ except ImportError:  # the plain lines need nothing
 
 TYPE = "adhoc_communication/NetworkState"
 LATE = 3.0  # s without a message
+# As docs/protocol.md numbers them.
+FRAME_TYPES = (
+    "", "beacon", "route request", "route reply", "route error", "hop acknowledgment", "data",
+    "transport acknowledgment", "broadcast data", "flood", "activation", "refusal", "group data", "group report",
+    "route reply acknowledgment",
+)  # fmt: skip
 
 Told = Tuple[float, NetworkState, Optional[NetworkState]]  # when it came, and the one before
 Cells = Sequence[object]
@@ -86,6 +92,7 @@ def facts(received: float, state: NetworkState, previous: Optional[NetworkState]
         "log rows lost": state.log_rows_lost,
         "frames not captured": state.frames_not_captured,
         "frames not taken by the interface": state.frames_not_sent,
+        "frames missed while the interface's queue was full": state.frames_missed,
     }
     lines += [f"{count} {what}" for what, count in losses.items() if count]
     if age > LATE:
@@ -99,6 +106,7 @@ def section(received: float, state: NetworkState, previous: Optional[NetworkStat
     tables = [neighbors(state), routes(state), groups(state)]
     if state.relays:
         tables.append(relays(state))
+    tables.append(frames(state, previous))
     return title, facts(received, state, previous), tables
 
 
@@ -146,6 +154,31 @@ def relays(state: NetworkState) -> Rows:
         for relay in state.relays
     ]  # fmt: skip
     return "relays", columns, rows
+
+
+def frames(state: NetworkState, previous: Optional[NetworkState]) -> Rows:
+    """By type, those that there are; per second since the state before."""
+
+    def per_second(name: str, kind: int) -> str:
+        if previous is None:
+            return "-"
+        before, seconds = getattr(previous, name), (state.stamp - previous.stamp).to_sec()
+        new = getattr(state, name)[kind] - (before[kind] if kind < len(before) else 0)
+        return f"{new / seconds:.1f}/s" if seconds > 0 and new >= 0 else "-"
+
+    sent, received = state.frames_sent_by_type, state.frames_received_by_type
+    rows = [
+        (
+            FRAME_TYPES[kind] if kind < len(FRAME_TYPES) else f"type {kind}",
+            sent[kind],
+            per_second("frames_sent_by_type", kind),
+            received[kind],
+            per_second("frames_received_by_type", kind),
+        )
+        for kind in range(min(len(sent), len(received)))
+        if sent[kind] or received[kind]
+    ]
+    return "frames", ("frames", "sent", "now", "received", "now"), rows
 
 
 def printable(text: object) -> str:
