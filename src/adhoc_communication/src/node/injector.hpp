@@ -15,7 +15,7 @@
 
 namespace adhoc_communication {
 
-/// Large packets and the ROS master, which is asked when a topic is advertised, must not hold up the engine.
+/// Unpacking large packets must not hold up the engine.
 class Injector {
  public:
   Injector(std::unique_ptr<LocalTopics> topics, TopicFilter filter, InboxCalls calls);

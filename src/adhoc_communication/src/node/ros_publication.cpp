@@ -118,9 +118,18 @@ class RosPublication::Subscribers {
   std::uint64_t dropped_ = 0;
 };
 
-RosPublication::RosPublication(ros::NodeHandle& node, const std::string& full_name, const SerializedMessage& message,
-                               bool latched)
-    : subscribers_(boost::make_shared<Subscribers>(latched)) {
+/// Shared with the errands.
+struct RosPublication::Offer {
+  enum class State { kPending, kMade, kRefused };
+
+  ros::Publisher publisher;  ///< of the thread of the errands
+  std::string refusal;       ///< set before the state
+  std::atomic<State> state{State::kPending};
+};
+
+RosPublication::RosPublication(ros::NodeHandle& node, Errands& errands, const std::string& full_name,
+                               const SerializedMessage& message, bool latched)
+    : errands_(errands), subscribers_(boost::make_shared<Subscribers>(latched)), offer_(std::make_shared<Offer>()) {
   ros::AdvertiseOptions options(full_name, SubscriberQueue::kMostMessages, message.md5sum, message.type,
                                 message.definition);
   options.latch = latched;
@@ -129,8 +138,25 @@ RosPublication::RosPublication(ros::NodeHandle& node, const std::string& full_na
     all->disconnected(link_of(subscriber));
   };
   options.tracked_object = subscribers_;  // ROS calls these two only as long as it is there
-  publisher_ = node.advertise(options);
-  if (!publisher_) throw PayloadError("topic '" + full_name + "' cannot be advertised as " + message.type);
+  errands_.add([node, options, offer = offer_]() mutable {
+    try {
+      offer->publisher = node.advertise(options);
+    } catch (const ros::Exception&) {
+    }
+    options.tracked_object.reset();
+    if (!offer->publisher) offer->refusal = "topic '" + options.topic + "' cannot be advertised as " + options.datatype;
+    offer->state = offer->publisher ? Offer::State::kMade : Offer::State::kRefused;
+  });
+}
+
+/// Also what the offer holds ends there: to take it back asks the master.
+RosPublication::~RosPublication() {
+  errands_.add([offer = std::move(offer_)] { offer->publisher.shutdown(); });
+}
+
+bool RosPublication::offered() const { return offer_->state == Offer::State::kMade; }
+std::string RosPublication::refusal() const {
+  return offer_->state == Offer::State::kRefused ? offer_->refusal : std::string();
 }
 
 std::size_t RosPublication::subscribers() const { return subscribers_->size(); }

@@ -4,8 +4,10 @@
 #include <ros/node_handle.h>
 
 #include <boost/shared_ptr.hpp>
+#include <memory>
 #include <string>
 
+#include "node/errands.hpp"
 #include "relay/local_topics.hpp"
 
 namespace adhoc_communication {
@@ -15,9 +17,13 @@ namespace adhoc_communication {
 /// are given the last message.
 class RosPublication : public Publication {
  public:
-  /// Throws PayloadError when the topic cannot be advertised as the type of `message`.
-  RosPublication(ros::NodeHandle& node, const std::string& full_name, const SerializedMessage& message, bool latched);
+  /// `errands`: advertise the topic, and take that back.
+  RosPublication(ros::NodeHandle& node, Errands& errands, const std::string& full_name,
+                 const SerializedMessage& message, bool latched);
+  ~RosPublication() override;
 
+  bool offered() const override;
+  std::string refusal() const override;
   std::size_t subscribers() const override;
   void publish(const SerializedMessage& message) override;
   bool serve() override;
@@ -25,9 +31,11 @@ class RosPublication : public Publication {
 
  private:
   class Subscribers;
+  struct Offer;
 
+  Errands& errands_;
   boost::shared_ptr<Subscribers> subscribers_;  ///< which threads of ROS tell of changes
-  ros::Publisher publisher_;
+  std::shared_ptr<Offer> offer_;
 };
 
 }  // namespace adhoc_communication

@@ -10,6 +10,22 @@
 #include "relay/topic_name.hpp"
 
 namespace adhoc_communication {
+namespace {
+
+/// A relay of this node to other robots is a subscriber, too.
+std::optional<TopicsInUse> topics_in_use() {
+  const std::optional<RosGraph> graph = ask_for_ros_graph();
+  if (!graph) return std::nullopt;
+  const auto is_other = [](const std::string& node) { return node != ros::this_node::getName(); };
+  TopicsInUse in_use;
+  for (const auto& [topic, nodes] : graph->publishers) {
+    if (std::any_of(nodes.begin(), nodes.end(), is_other)) in_use.of_others.insert(topic);
+  }
+  for (const auto& [topic, nodes] : graph->subscribers) in_use.subscribers[topic] = nodes.size();
+  return in_use;
+}
+
+}  // namespace
 
 RosTopics::RosTopics(ros::NodeHandle node, std::string prefix) : node_(std::move(node)), prefix_(std::move(prefix)) {}
 
@@ -17,28 +33,22 @@ std::string RosTopics::full_name(const std::string& topic) const {
   return node_.resolveName(local_topic(prefix_, topic));
 }
 
-std::optional<std::set<std::string>> RosTopics::of_others() const {
-  const std::optional<RosGraph> graph = ask_for_ros_graph();
-  if (!graph) return {};
-  const auto is_other = [](const std::string& node) { return node != ros::this_node::getName(); };
-  std::set<std::string> topics;
-  for (const auto& [topic, nodes] : graph->publishers) {
-    if (std::any_of(nodes.begin(), nodes.end(), is_other)) topics.insert(topic);
-  }
-  return topics;
+void RosTopics::ask() {
+  errands_.add([this] {
+    Answer answer{topics_in_use()};
+    const std::lock_guard<std::mutex> lock(mutex_);
+    answer_ = std::move(answer);
+  });
 }
 
-/// A relay of this node to other robots is one of them, too.
-std::size_t RosTopics::subscribers(const std::string& full_name) const {
-  const std::optional<RosGraph> graph = ask_for_ros_graph();
-  if (!graph) return 0;
-  const auto found = graph->subscribers.find(full_name);
-  return found == graph->subscribers.end() ? 0 : found->second.size();
+std::optional<LocalTopics::Answer> RosTopics::take_answer() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(answer_, std::nullopt);
 }
 
 std::unique_ptr<Publication> RosTopics::advertise(const std::string& full_name, const SerializedMessage& message,
                                                   bool latched) {
-  return std::make_unique<RosPublication>(node_, full_name, message, latched);
+  return std::make_unique<RosPublication>(node_, errands_, full_name, message, latched);
 }
 
 }  // namespace adhoc_communication

@@ -56,6 +56,10 @@ bool Definitions::hold(PacketReceived packet, const TypeName& type, Time now) {
   return true;
 }
 
+bool Definitions::holds(const std::function<bool(const PacketReceived&)>& is_meant) const {
+  return std::any_of(held_.begin(), held_.end(), [&](const Held& held) { return is_meant(held.packet); });
+}
+
 void Definitions::expire(Time now) {
   while (!held_.empty() && now - held_.front().since >= kPatience) drop(held_.begin());
   forget_unawaited();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <list>
 #include <map>
 #include <string>
@@ -33,6 +34,8 @@ class Definitions {
   /// Keeps a message until its definition is learnt. True when its sender has to be asked for the definition now.
   bool hold(PacketReceived packet, const TypeName& type, Time now);
   bool awaits_any() const { return !asked_.empty(); }
+  /// Whether one that waits is among those.
+  bool holds(const std::function<bool(const PacketReceived&)>& is_meant) const;
   bool awaits(const TypeName& type) const { return asked_.count(type) != 0; }
 
   /// Drops messages that have waited too long.

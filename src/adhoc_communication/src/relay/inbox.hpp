@@ -12,6 +12,7 @@
 #include "relay/local_topics.hpp"
 #include "relay/message.hpp"
 #include "relay/others_topics.hpp"
+#include "relay/packet_queue.hpp"
 #include "relay/subscriber_queue.hpp"
 #include "relay/topic_filter.hpp"
 #include "relay/topic_table.hpp"
@@ -33,15 +34,17 @@ struct InboxCalls {
 };
 
 /// A topic is latched where its first message says so. A message whose definition is not known yet waits for it, and
-/// one whose topic is new for subscribers to connect; others go on. What cannot be published is counted and told once
-/// per topic, topics given up once per robot.
+/// one whose topic is new until it is known who uses that here, and for subscribers to connect; others go on. What
+/// cannot be published is counted and told once per topic, topics given up once per robot.
 class Inbox {
  public:
   Inbox(LocalTopics& local, TopicFilter filter, InboxCalls calls);
 
   void take(PacketReceived packet, Time now);
-  bool anything_waits() const { return topics_.anything_waits(); }  ///< for subscribers to connect, or to take it
-  /// Publishes what has waited for subscribers that have connected, or long enough, or that take more now.
+  /// For an answer on topics, for subscribers to connect, or for them to take it.
+  bool anything_waits() const { return others_.waits() || topics_.anything_waits(); }
+  /// Publishes what has waited for an answer, for subscribers that have connected, or long enough, or that take more
+  /// now.
   void release(Time now);
   /// Packets dropped since the last call.
   std::uint64_t take_dropped();
@@ -51,8 +54,12 @@ class Inbox {
   /// A topic of that silence may get another type from any robot; from the one that brought it, at any time.
   static constexpr Time kTypeStands = std::chrono::seconds(10);
 
+  void process(PacketReceived packet, Time now);
   void carry_out(PacketReceived& packet, Time now);
-  void check_topic(const std::string& full_name, Time now);
+  bool may_be_unpacked(const PacketReceived& packet, Time now);
+  bool check_topic(const std::string& full_name, Time now);
+  void hold(PacketReceived& packet);
+  void settle(Time now);
   void learn_definition(const SerializedMessage& message, const std::string& source, Time now);
   bool complete(SerializedMessage& message, PacketReceived& packet, Time now);
   void publish(const PacketReceived& packet, SerializedMessage message, Time now);
@@ -61,12 +68,15 @@ class Inbox {
   void drop(const PacketReceived& packet, const std::string& reason);
   void tell_of_slow_subscribers();
   void tell_of_topics_given_up();
+  void tell_of_topics_refused();
+  void tell_of(const PacketReceived& packet, const std::string& reason);
 
   LocalTopics& local_;
   OthersTopics others_;
   const TopicFilter filter_;
   const InboxCalls calls_;
   Definitions definitions_;
+  PacketQueue held_;  ///< for topics of which it is asked who uses them
   TopicTable topics_;
   std::set<std::string> topics_told_;
   std::set<std::string> robots_told_;

@@ -22,7 +22,7 @@ TopicTable::Topic& TopicTable::add(const std::string& name, Topic topic, Time no
   if (count(of_source) >= kMostOfASource) forget_least_used(of_source);
   if (topics_.size() >= kMostTopics) forget_least_used([](const Topic&) { return true; });
   topic.used = now;
-  topic.connects_until = now + kLongestConnection;
+  topic.connects_until = now + kLongestOffer;
   return topics_.emplace(name, std::move(topic)).first->second;
 }
 
@@ -35,15 +35,27 @@ void TopicTable::publish(Topic& topic, SerializedMessage message, Time now) {
   if (!topic.connecting) return put_out(topic, message);
   waiting_octets_ += message.bytes.size() + kOverhead;
   topic.waiting.push_back(std::move(message));
-  if (topic.waiting.size() >= kMostWaiting || waiting_octets_ >= kMostWaitingOctets) topic.connects_until = now;
-  release(topic, now);
+  const bool full = topic.waiting.size() >= kMostWaiting || waiting_octets_ >= kMostWaitingOctets;
+  if (full || !connects(topic, now)) release(topic);
 }
 
 void TopicTable::release_all(Time now) {
   subscribers_wait_ = false;
   for (auto& [name, topic] : topics_) {
-    if (topic.connecting) release(topic, now);
+    if (topic.connecting && !connects(topic, now)) release(topic);
     subscribers_wait_ = topic.publication->serve() || subscribers_wait_;
+  }
+  give_up_refused();
+}
+
+void TopicTable::give_up_refused() {
+  for (auto topic = topics_.begin(); topic != topics_.end();) {
+    const auto next = std::next(topic);
+    if (const std::string reason = topic->second.publication->refusal(); !reason.empty()) {
+      refused_.push_back({topic->first, topic->second.source, reason, topic->second.waiting.size()});
+      forget(topic);
+    }
+    topic = next;
   }
 }
 
@@ -57,8 +69,16 @@ std::vector<TopicTable::Dropped> TopicTable::take_dropped() {
   return dropped;
 }
 
-void TopicTable::release(Topic& topic, Time now) {
-  if (topic.publication->subscribers() < topic.subscribers && now < topic.connects_until) return;
+bool TopicTable::connects(Topic& topic, Time now) {
+  if (!topic.offered && topic.publication->offered()) {
+    topic.offered = true;
+    topic.connects_until = now + kLongestConnection;
+  }
+  const bool complete = topic.offered && topic.publication->subscribers() >= topic.subscribers;
+  return !complete && now < topic.connects_until;
+}
+
+void TopicTable::release(Topic& topic) {
   topic.connecting = false;
   for (const SerializedMessage& message : topic.waiting) {
     waiting_octets_ -= message.bytes.size() + kOverhead;

@@ -23,10 +23,11 @@ class TopicTable {
  public:
   static constexpr std::size_t kMostTopics = 256;
   static constexpr std::size_t kMostOfASource = 64;
-  static constexpr std::size_t kMostKeptOctets = 12'000'000;    ///< latched, if it is more than one message
-  static constexpr std::size_t kMostKeptOfASource = 6'000'000;  ///< of these, likewise
-  static constexpr std::size_t kMostWaiting = 100;              ///< messages of one topic
-  static constexpr std::size_t kMostWaitingOctets = 8'000'000;  ///< of all
+  static constexpr std::size_t kMostKeptOctets = 12'000'000;      ///< latched, if it is more than one message
+  static constexpr std::size_t kMostKeptOfASource = 6'000'000;    ///< of these, likewise
+  static constexpr std::size_t kMostWaiting = 100;                ///< messages of one topic
+  static constexpr std::size_t kMostWaitingOctets = 8'000'000;    ///< of all
+  static constexpr Time kLongestOffer = std::chrono::seconds(5);  ///< until nodes can find a topic
   static constexpr Time kLongestConnection = std::chrono::seconds(1);
 
   struct Topic {
@@ -37,7 +38,8 @@ class TopicTable {
     std::size_t subscribers = 0;  ///< that are to connect
     bool latched = false;
     std::size_t kept = 0;  ///< octets of the message that late subscribers get
-    Time connects_until{0};
+    bool offered = false;
+    Time connects_until{0};                   ///< or is to be offered until then
     Time used{0};                             ///< when a message was published on it last
     std::deque<SerializedMessage> waiting{};  ///< until they have
     bool connecting = true;
@@ -51,8 +53,8 @@ class TopicTable {
   Topic& add(const std::string& name, Topic topic, Time now);
   /// With what waits for its subscribers.
   void forget(const std::string& name);
-  /// What subscribers do not get because they are still connecting is lost to them: until they have, the messages of
-  /// that topic wait, and no others.
+  /// What subscribers do not get because they cannot find the topic yet, or are still connecting, is lost to them:
+  /// until they have, the messages of that topic wait, and no others.
   void publish(Topic& topic, SerializedMessage message, Time now);
   /// Publishes what has waited for subscribers that have connected, or long enough, and hands slow ones what they can
   /// take.
@@ -69,13 +71,24 @@ class TopicTable {
     std::string topic;
     std::string source;
   };
+  struct Refused {
+    std::string topic;
+    std::string source;
+    std::string reason;
+    std::uint64_t messages = 0;  ///< that have waited
+  };
+  /// Topics that could not be offered, given up since the last call.
+  std::vector<Refused> take_refused() { return std::exchange(refused_, {}); }
+
   /// Topics given up since the last call because of the octets that latched ones keep.
   std::vector<GivenUp> take_given_up() { return std::exchange(given_up_, {}); }
 
  private:
   using Predicate = std::function<bool(const Topic&)>;
 
-  void release(Topic& topic, Time now);
+  static bool connects(Topic& topic, Time now);
+  void release(Topic& topic);
+  void give_up_refused();
   void put_out(Topic& topic, const SerializedMessage& message);
   void make_room_beside(const Topic& topic);
   std::size_t kept_of(const std::string& source) const;
@@ -89,6 +102,7 @@ class TopicTable {
   std::size_t kept_octets_ = 0;
   bool subscribers_wait_ = false;
   std::vector<GivenUp> given_up_;
+  std::vector<Refused> refused_;
 };
 
 }  // namespace adhoc_communication

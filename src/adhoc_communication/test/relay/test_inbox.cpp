@@ -1,6 +1,8 @@
 // What is published of packets of other robots, what waits, and what is told.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "adhoc_communication/compression.hpp"
 #include "fake_topics.hpp"
 #include "relay/definition_md5.hpp"
@@ -176,7 +178,7 @@ TEST_F(InboxTest, WhatIsCarriedOrRefusedIsAskedForOnceASecond) {
     inbox.take(any("scan", "1"), i * 10ms);
     inbox.take(any("map", "2"), i * 10ms);
   }
-  EXPECT_EQ(local.times_asked, 2) << "of each topic as it was new";
+  EXPECT_EQ(local.times_asked, 1) << "of both topics as they were new";
 }
 
 TEST_F(InboxTest, WhileTheMasterIsSilentKnownTopicsGoOn) {
@@ -193,6 +195,104 @@ TEST_F(InboxTest, WhileTheMasterIsSilentKnownTopicsGoOn) {
   local.published_by_others.emplace();
   inbox.take(any("scan", "4"), 4s);
   EXPECT_EQ(local.published.back(), "/scan 4");
+}
+
+/// The publishing thread asked by itself, two times of each new topic, and stood still for as long as that took.
+TEST_F(InboxTest, NothingButNewTopicsWaitsForTheMaster) {
+  inbox.take(any("map", "1"), 0s);
+  local.answers = false;
+  inbox.take(any("scan", "2"), 10ms);
+  inbox.take(any("scan", "3"), 20ms);
+  inbox.take(any("pose", "4"), 30ms);
+  inbox.take(any("map", "5"), 40ms);
+  EXPECT_EQ(local.published, (Texts{"/map 1", "/map 5"}));
+  EXPECT_EQ(local.times_asked, 2);
+  EXPECT_TRUE(inbox.anything_waits());
+  local.answers = true;
+  local.published_by_others = {"/pose"};
+  local.expected["/scan"] = 1;
+  inbox.release(100ms);
+  EXPECT_EQ(local.times_asked, 2) << "one answer tells who publishes and who subscribes";
+  EXPECT_EQ(local.published.size(), 2u) << "the subscriber is to connect";
+  local.connected["/scan"] = 1;
+  inbox.release(105ms);
+  EXPECT_EQ(local.published, (Texts{"/map 1", "/map 5", "/scan 2", "/scan 3"}));
+  EXPECT_FALSE(inbox.anything_waits());
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("nodes of this robot publish '/pose'"), std::string::npos) << told[0];
+}
+
+TEST_F(InboxTest, AMasterThatNeverAnswersIsNotWaitedForForEver) {
+  inbox.take(any("map", "1"), 0s);
+  local.answers = false;
+  for (int i = 0; i < 100; ++i) {
+    inbox.take(any("scan", "2"), 1s + i * 50ms);
+    inbox.take(any("odom", "3"), 1s + i * 50ms);
+    inbox.take(any("map", "4"), 1s + i * 50ms);
+  }
+  EXPECT_EQ(local.times_asked, 2) << "the question is still open";
+  EXPECT_EQ(std::count(local.published.begin(), local.published.end(), "/map 4"), 100);
+  EXPECT_EQ(std::count(local.published.begin(), local.published.end(), "/odom 3"), 100)
+      << "of a topic that is allowed by name";
+  EXPECT_EQ(inbox.take_dropped(), 90u) << "10 wait again";
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("the ROS master does not answer"), std::string::npos) << told[0];
+  local.answers = true;
+  inbox.take(any("scan", "5"), 7s);
+  EXPECT_EQ(std::vector<std::string>(local.published.end() - 2, local.published.end()), (Texts{"/scan 2", "/scan 5"}));
+}
+
+/// Those that came while the master was asked once more were published before those whose definition had come
+/// meanwhile.
+TEST_F(InboxTest, MessagesThatWaitForTheirDefinitionAndForTheMasterStayInOrder) {
+  inbox.take(by_type("scan", "1"), 0s);
+  local.answers = false;
+  inbox.take(by_type("scan", "2"), 10ms);
+  inbox.take(definition(), 20ms);
+  inbox.take(by_type("scan", "3"), 30ms);
+  EXPECT_TRUE(local.published.empty());
+  local.answers = true;
+  inbox.take(by_type("scan", "4"), 40ms);
+  EXPECT_EQ(local.published, (Texts{"/scan 1", "/scan 2", "/scan 3", "/scan 4"}));
+  EXPECT_EQ(inbox.take_dropped(), 0u);
+}
+
+TEST_F(InboxTest, AnAnswerThatComesLateIsNotTakenForANewOne) {
+  inbox.take(any("map", "1"), 0s);
+  local.answers = false;
+  inbox.take(any("map", "2"), 1s);
+  EXPECT_TRUE(inbox.anything_waits());
+  inbox.release(3s);
+  EXPECT_FALSE(inbox.anything_waits());
+  EXPECT_EQ(local.times_asked, 2);
+  local.answers = true;
+  inbox.take(any("scan", "3"), 100s);
+  EXPECT_EQ(local.times_asked, 3);
+  EXPECT_EQ(local.published.back(), "/scan 3");
+}
+
+TEST_F(InboxTest, WhatWaitsForTheMasterIsBounded) {
+  local.answers = false;
+  for (std::size_t i = 0; i < 2 * PacketQueue::kMostPackets; ++i) inbox.take(any("scan", "1"), 0s);
+  EXPECT_EQ(inbox.take_dropped(), PacketQueue::kMostPackets);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("too many packets wait for the ROS master"), std::string::npos) << told[0];
+  local.answers = true;
+  inbox.release(1ms);
+  EXPECT_EQ(local.published.size(), PacketQueue::kMostPackets);
+}
+
+TEST_F(InboxTest, ATopicThatCannotBeOfferedIsGivenUp) {
+  local.pending = {"/scan"};
+  inbox.take(any("scan", "1"), 0s);
+  EXPECT_TRUE(inbox.anything_waits());
+  local.refused["/scan"] = "topic '/scan' cannot be advertised as pkg/Type";
+  inbox.release(5ms);
+  EXPECT_FALSE(inbox.anything_waits());
+  EXPECT_TRUE(local.advertised.empty());
+  EXPECT_EQ(inbox.take_dropped(), 1u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("cannot be advertised"), std::string::npos) << told[0];
 }
 
 TEST_F(InboxTest, ATopicHasOneType) {

@@ -43,6 +43,29 @@ TEST_F(TopicTableTest, OneThatWaitsForSubscribersHoldsUpNoOther) {
   EXPECT_FALSE(table.anything_waits());
 }
 
+/// To advertise a topic asks the master, which may hang.
+TEST_F(TopicTableTest, MessagesWaitUntilTheirTopicIsOffered) {
+  local.pending = {"/slow"};
+  add("/slow", 0s, "bob", 1);
+  add("/fast", 0s);
+  publish("/slow", "1", 0s);
+  publish("/fast", "1", 0s);
+  release(4900ms);
+  EXPECT_EQ(published, std::vector<std::string>{"/fast 1"});
+  local.pending.clear();
+  release(4950ms);
+  release(5900ms);
+  EXPECT_EQ(published.size(), 1u) << "its subscriber has a second from then on";
+  connected["/slow"] = 1;
+  release(5910ms);
+  EXPECT_EQ(published, (std::vector<std::string>{"/fast 1", "/slow 1"}));
+  local.pending = {"/never"};
+  add("/never", 6s);
+  publish("/never", "1", 6s);
+  release(11s);
+  EXPECT_FALSE(table.anything_waits()) << "not for ever";
+}
+
 TEST_F(TopicTableTest, SlowSubscribersAreServedUntilNothingWaits) {
   add("/map", 0s);
   local.slow.insert("/map");
