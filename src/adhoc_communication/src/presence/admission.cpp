@@ -23,7 +23,10 @@ bool Admission::proves_itself(const security::OpenedFrame& opened, Time now) {
     return true;
   }
   ++dropped_.unproven;
-  if (beacon && neighbors_.candidate(header.sender, wire::boot_tag(header.boot_id), now)) rhythm_.greet(now);
+  if (!beacon) return false;
+  const wire::BootTag boot = wire::boot_tag(header.boot_id);
+  runs_.suspected(header.sender, boot, now);
+  if (neighbors_.candidate(header.sender, boot, now)) rhythm_.greet(now);
   return false;
 }
 

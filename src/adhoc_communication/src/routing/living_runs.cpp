@@ -40,14 +40,12 @@ bool LivingRuns::heard(const MacAddress& robot, wire::BootTag boot, std::uint64_
 bool LivingRuns::gives_way(Runs& runs, bool to_who_answers, Time now) {
   if (now - runs.heard >= kGone) return true;
   Rival& rival = runs.rival;
-  if (now - rival.last >= kHeardRecently) rival = {now, now, std::nullopt, rival.asked, false, rival.trusted_until};
+  if (now - rival.last >= kHeardRecently) rival.since = now;
+  doubt(rival, now);
   rival.last = now;
   last_rival_ = now;
-  if (now < rival.trusted_until) return false;
-  if (!rival.doubted) {
-    rival.doubted = now;
-    rival.two_way = false;
-  }
+  if (!rival.doubted) return false;
+  if (!rival.two_way && *rival.doubted < now && now - runs.heard >= kHeardRecently) return true;
   const Time silence = now - std::max(runs.heard, *rival.doubted);
   const bool asked = asks_ && rival.asked >= *rival.doubted;
   if (rival.two_way && !asked) return silence >= kUnheardUnasked;
@@ -55,11 +53,25 @@ bool LivingRuns::gives_way(Runs& runs, bool to_who_answers, Time now) {
   return silence >= patience * kUnheard || now - *rival.doubted >= patience * kUnanswered;
 }
 
+/// What began long ago, and was not settled, begins anew.
+void LivingRuns::doubt(Rival& rival, Time now) {
+  if (now < rival.trusted_until) return;
+  if (rival.doubted && now - std::max(*rival.doubted, rival.last) < kHeardRecently) return;
+  rival.doubted = now;
+  rival.two_way = false;
+}
+
+void LivingRuns::suspected(const MacAddress& robot, wire::BootTag boot, Time now) {
+  const auto found = robots_.find(robot);
+  if (found == robots_.end() || found->second.boot == boot || now - found->second.heard >= kGone) return;
+  doubt(found->second.rival, now);
+}
+
 bool LivingRuns::wants_answer(const MacAddress& robot, bool two_way, Time now) {
   const auto found = robots_.find(robot);
   if (found == robots_.end()) return false;
   Rival& rival = found->second.rival;
-  if (!rival.doubted || now - rival.last >= kUnanswered) return false;
+  if (!rival.doubted || now - std::max(*rival.doubted, rival.last) >= kUnanswered) return false;
   rival.two_way = rival.two_way || two_way;
   if (!asks_ || !rival.two_way || now - rival.asked < kAskAgain || !questions_.take(now)) return false;
   rival.asked = now;

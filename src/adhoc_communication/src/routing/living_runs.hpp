@@ -19,8 +19,9 @@ namespace adhoc_communication::routing {
 /// or borrows the address. So it is dropped, and makes the run that lives doubtful: this robot sends it a question. If
 /// that run acknowledges it, it lives, whoever else transmits with its address. If nothing is heard of it for kUnheard,
 /// or it only transmits and acknowledges nothing for kUnanswered, the next run that acknowledges the question is
-/// believed; in twice the time, any. Nothing is kept of the others, however many they are. A run that has not said that
-/// it hears this robot is not asked; one that there is no time to ask is given kUnheardUnasked.
+/// believed; in twice the time, any. Nothing is kept of the others, however many they are. A run whose link works one
+/// way only is not asked, and gives way at once when it was silent for kHeardRecently; one that there is no time to ask
+/// is given kUnheardUnasked.
 ///
 /// A life sign that others tell grows with time only: by a little more than has passed since the first one, or since
 /// the robot itself was last heard to tell one. A greater one counts as the greatest that is possible. One that was
@@ -61,7 +62,9 @@ class LivingRuns {
   /// A frame of the robot itself. False if it is not one of the run that lives, as far as is known. `answers`: it
   /// acknowledges a frame of this robot's.
   bool heard(const MacAddress& robot, wire::BootTag boot, std::uint64_t counter, Time now, bool answers = false);
-  /// Whether it is in doubt, and to be asked now. `two_way`: it has said that it hears this robot.
+  /// A beacon of the robot itself, of a run that is not proven: reason enough to ask the one that lives.
+  void suspected(const MacAddress& robot, wire::BootTag boot, Time now);
+  /// Whether it is in doubt, and to be asked now. `two_way`: its link works in both directions.
   bool wants_answer(const MacAddress& robot, bool two_way, Time now);
   /// Two runs have transmitted with this address for kContested.
   bool contested(const MacAddress& robot, Time now) const;
@@ -107,7 +110,7 @@ class LivingRuns {
     Time last = -kHeardRecently;
     std::optional<Time> doubted;  ///< since when the run that lives has not answered
     Time asked = -kAskAgain;
-    bool two_way = false;  ///< it was when the doubt began, or since
+    bool two_way = false;  ///< the link was when the doubt began, or since
     Time trusted_until{0};
   };
   struct Runs {
@@ -130,6 +133,7 @@ class LivingRuns {
   Runs& runs_of(const MacAddress& robot, wire::BootTag boot, Time now);
   void make_room(Time now);
   bool gives_way(Runs& runs, bool to_who_answers, Time now);
+  static void doubt(Rival& rival, Time now);
   static bool goes_on(Sign& below, std::uint32_t sign, Time now);
   static void believe(Runs& runs, std::uint32_t sign, Time now);
   static FormerRun* former(Runs& runs, wire::BootTag boot);

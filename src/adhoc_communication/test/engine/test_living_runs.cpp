@@ -221,6 +221,34 @@ TEST(LivingRuns, ARunThatThereWasNoTimeToAskIsGivenLonger) {
   EXPECT_FALSE(runs.heard(kRobot, kForged, 3, 11s, true));
 }
 
+/// Its link has been given up, so nothing is at stake.
+TEST(LivingRuns, ARunThatWasSilentAndHearsNobodyGivesWayAtOnce) {
+  LivingRuns runs;
+  runs.heard(kRobot, kEnded, 1, 10s);
+  EXPECT_FALSE(runs.heard(kRobot, kLiving, 1, 12s));
+  EXPECT_FALSE(runs.wants_answer(kRobot, false, 12s));
+  EXPECT_TRUE(runs.heard(kRobot, kLiving, 2, 12001ms));
+}
+
+/// In a sealed team a new run proves itself meanwhile.
+TEST(LivingRuns, ABeaconOfARunThatIsNotProvenBeginsTheDoubt) {
+  LivingRuns runs;
+  runs.heard(kRobot, kEnded, 1, 10s);
+  runs.suspected(kRobot, kLiving, 11s);
+  EXPECT_TRUE(runs.wants_answer(kRobot, true, 11s));
+  EXPECT_FALSE(runs.heard(kRobot, kLiving, 1, 11299ms, true));
+  EXPECT_TRUE(runs.heard(kRobot, kLiving, 2, 11300ms, true));
+}
+
+/// Recorded ones are no second robot.
+TEST(LivingRuns, BeaconsOfRunsThatAreNotProvenDisplaceNobody) {
+  LivingRuns runs;
+  runs.heard(kRobot, kLiving, 1, 10s);
+  for (Time now = 10s; now < 14s; now += 50ms) runs.suspected(kRobot, kForged, now);
+  EXPECT_TRUE(runs.lives(kRobot, kLiving));
+  EXPECT_FALSE(runs.contested(kRobot, 14s));
+}
+
 /// Where robots do not acknowledge frames nobody can be asked.
 TEST(LivingRuns, WithoutQuestionsThreeBeaconsHaveToBeMissing) {
   LivingRuns runs(false);
