@@ -35,6 +35,7 @@ SerializedMessage ready(const Message& message) {
 
 template <typename Message>
 SerializedMessage decode_as(const PacketReceived& packet) {
+  if (packet.payload.empty()) throw PayloadError("ends before its message does");  // a stream needs an address
   Message message;
   CheckedStream stream(packet.payload.data(), packet.payload.size());
   stream.next(message);

@@ -1,4 +1,17 @@
-// make_corpus FOLDER: inputs for the fuzzers below FOLDER, taken from what a small team puts on the air.
+// make_corpus FOLDER: inputs for the fuzzers below FOLDER, taken from what a small team puts on the air. Those of
+// fuzz_sealed are few of fuzz_engine by which the engines take three frames of each type.
+#include <adhoc_communication/CMgrRobotUpdate.h>
+#include <adhoc_communication/ExpAuction.h>
+#include <adhoc_communication/ExpCluster.h>
+#include <adhoc_communication/ExpFrontier.h>
+#include <adhoc_communication/MmControl.h>
+#include <adhoc_communication/MmMapUpdate.h>
+#include <adhoc_communication/MmPoint.h>
+#include <adhoc_communication/MmRobotPosition.h>
+#include <geometry_msgs/Quaternion.h>
+#include <geometry_msgs/Twist.h>
+#include <nav_msgs/OccupancyGrid.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -6,9 +19,11 @@
 #include <string>
 
 #include "multicast/groups.hpp"
+#include "node/payload.hpp"
 #include "operations.hpp"
 #include "payloads.hpp"
 #include "play.hpp"
+#include "relay/definition_md5.hpp"
 #include "simulation/team.hpp"
 #include "transport/packet_image.hpp"
 #include "wire/frame_header.hpp"
@@ -112,6 +127,68 @@ void add_texts(Corpus& corpus) {
   corpus.add("fuzz_text", 2, "* /map,/robot_?/map /rosout /clock [a-z]*");
   corpus.add("fuzz_text", 3,
              "position robot_1 3 -4.5\nrange 12\nloss 0.1\nlink robot_0 robot_1 1\ndown robot_1\nup robot_1\n");
+}
+
+/// A definition that uses another one, with fields of all sorts.
+std::string nested_definition() {
+  return "# a comment\nuint8 ONE = 1\nstd_msgs/Header header\nPart[] parts\nfloat64[9] k\nstring TEXT=a # b\n" +
+         std::string(80, '=') + "\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n" +
+         std::string(80, '=') + "\nMSG: pkg/Part\nint16[] values\nduration age\n";
+}
+
+void add_messages(Corpus& corpus) {
+  for (const std::string& definition : {std::string("float64 x\n"), nested_definition(), std::string()}) {
+    const SerializedMessage message{"pkg/Whole", md5_of_definition("pkg/Whole", definition), definition, text("octets"),
+                                    false};
+    for (const std::uint8_t reader : {0, 1, 2, 3}) {
+      const Bytes payload = reader % 2 == 0 ? encode_any_message(message) : encode_message_by_type(message);
+      corpus.add("fuzz_message", reader, std::string(payload.begin(), payload.end()));
+    }
+    corpus.add("fuzz_message", 4, "pkg/Whole\n" + definition);
+  }
+}
+
+template <typename Message>
+void add_payload(Corpus& corpus, PayloadType type, const Message& message) {
+  const Bytes payload = serialize(message);
+  corpus.add("fuzz_payload", static_cast<std::uint8_t>(type), std::string(payload.begin(), payload.end()));
+}
+
+void add_payloads(Corpus& corpus) {
+  nav_msgs::OccupancyGrid map;
+  map.header.frame_id = "map";
+  map.info.resolution = 0.05F;
+  map.info.width = 4;
+  map.info.height = 2;
+  map.data = {0, 100, -1, 0, 100, -1, 0, 100};
+  MmRobotPosition position;
+  position.src_robot = "robot_0";
+  position.position.header.frame_id = "map";
+  position.position.pose.position.x = 1.5;
+  MmMapUpdate update;
+  update.map = map;
+  MmControl control;
+  control.update_numbers = {3, 1, 2};
+  ExpFrontier frontier;
+  frontier.frontier_element.resize(2);
+  ExpCluster cluster;
+  cluster.ids_contained.resize(3);
+  ExpAuction auction;
+  auction.available_clusters.resize(2);
+  corpus.add("fuzz_payload", static_cast<std::uint8_t>(PayloadType::kString), "hello");
+  add_payload(corpus, PayloadType::kMap, map);
+  add_payload(corpus, PayloadType::kPosition, position);
+  add_payload(corpus, PayloadType::kPoint, MmPoint());
+  add_payload(corpus, PayloadType::kMapUpdate, update);
+  add_payload(corpus, PayloadType::kControl, control);
+  add_payload(corpus, PayloadType::kFrontier, frontier);
+  add_payload(corpus, PayloadType::kCluster, cluster);
+  add_payload(corpus, PayloadType::kAuction, auction);
+  add_payload(corpus, PayloadType::kTwist, geometry_msgs::Twist());
+  add_payload(corpus, PayloadType::kQuaternion, geometry_msgs::Quaternion());
+  add_payload(corpus, PayloadType::kRobotUpdate, CMgrRobotUpdate());
+  const Bytes any = encode_any_message({"pkg/Type", md5_of_definition("pkg/Type", ""), "", text("octets"), false});
+  corpus.add("fuzz_payload", static_cast<std::uint8_t>(PayloadType::kAnyMessage), std::string(any.begin(), any.end()));
 }
 
 void append(Bytes& input, Operation operation, std::initializer_list<std::uint8_t> operands) {
@@ -288,6 +365,8 @@ int main(int argc, char** argv) {
   add_bodies(corpus, frames);
   add_images(corpus);
   add_texts(corpus);
+  add_messages(corpus);
+  add_payloads(corpus);
   add_lives(corpus);
   add_operations(corpus);
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "adhoc_communication/compression.hpp"
+#include "security/cipher.hpp"
 
 namespace adhoc_communication::fuzz {
 namespace {
@@ -17,6 +18,7 @@ constexpr Time kPatience = 60s;
 constexpr Time kLongestPlay = 1s;  ///< of all kAdvance together
 constexpr std::size_t kStrangers = 6;
 constexpr std::size_t kLargestPacket = 50'000;
+constexpr TeamKey kTeamKey{7};
 constexpr std::size_t kLargestPayload = 6000;  ///< a few segments; more only take time
 
 [[noreturn]] void broken(const std::string& promise) {
@@ -26,7 +28,7 @@ constexpr std::size_t kLargestPayload = 6000;  ///< a few segments; more only ta
 
 }  // namespace
 
-PairOfEngines::PairOfEngines() {
+PairOfEngines::PairOfEngines(bool sealed) : sealed_(sealed) {
   boot(0);
   boot(1);
   settle();
@@ -43,6 +45,7 @@ void PairOfEngines::boot(std::size_t robot) {
   EngineOptions options;
   options.robot_name = "robot_" + std::to_string(robot);
   options.max_packet_size = kLargestPacket;
+  if (sealed_) options.keys = {kTeamKey};
   Robot& entry = robots_[robot];
   ++entry.runs;
   entry.open.clear();
@@ -107,14 +110,24 @@ void PairOfEngines::hear_frame(Operands& operands) {
   header.counter = ++counter_;
   header.next_hop = (flags & 0x40) != 0 ? wire::kEverybody : address(robot);
   header.link_sequence = operands.u8();
-  hear(robot, header, operands.octets(operands.u8()));
+  hear(robot, header, (flags & 0x20) != 0, operands.octets(operands.u8()));
 }
 
-void PairOfEngines::hear(std::size_t robot, const wire::FrameHeader& header, const Bytes& body) {
+/// `open`: also where the team seals its frames.
+void PairOfEngines::hear(std::size_t robot, wire::FrameHeader header, bool open, const Bytes& body) {
   Engine& engine = *robots_[robot].engine;
   const auto type = static_cast<std::size_t>(header.type);
   const std::uint64_t before = engine.statistics().frames_received_by_type[type];
-  engine.receive({header.next_hop, header.sender, wire::close_openly(header, body)}, now_);
+  Bytes frame;
+  if (sealed_ && !open) {
+    header.flags |= wire::kSealed;
+    security::SessionKey key;
+    security::derive_session_key(key, kTeamKey, header.sender, header.boot_id);
+    frame = security::seal(key, header, body);
+  } else {
+    frame = wire::close_openly(header, body);
+  }
+  engine.receive({header.next_hop, header.sender, frame}, now_);
   if (engine.statistics().frames_received_by_type[type] > before) taken_.insert(header.type);
 }
 

@@ -16,7 +16,8 @@ namespace adhoc_communication::fuzz {
 /// Ends the program with abort() when an engine breaks a promise.
 class PairOfEngines {
  public:
-  PairOfEngines();
+  /// `sealed`: the engines have a key, which the fuzzer has, too.
+  explicit PairOfEngines(bool sealed = false);
 
   void carry_out(Operands& operands);
   /// Every send has to end by itself.
@@ -37,7 +38,7 @@ class PairOfEngines {
 
   void boot(std::size_t robot);
   void hear_frame(Operands& operands);
-  void hear(std::size_t robot, const wire::FrameHeader& header, const Bytes& body);
+  void hear(std::size_t robot, wire::FrameHeader header, bool open, const Bytes& body);
   void hear_raw(Operands& operands);
   void send(Operands& operands);
   void flood(Operands& operands);
@@ -49,6 +50,7 @@ class PairOfEngines {
   void check(const Robot& robot) const;
   std::string name_of(std::uint8_t choice) const;
 
+  const bool sealed_;
   std::array<Robot, 2> robots_;
   std::deque<Frame> air_;
   Random random_{1};

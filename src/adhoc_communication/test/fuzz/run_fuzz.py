@@ -21,7 +21,15 @@ HERE = Path(__file__).resolve().parent
 LEDGER = HERE / "runs.csv"
 COLUMNS = ("date", "target", "sources", "seconds", "inputs", "found")
 WANTED = 100_000_000  # inputs, of all targets together
-TARGETS = {"fuzz_wire": 4096, "fuzz_packet_image": 4096, "fuzz_text": 512, "fuzz_engine": 600}  # longest input, octets
+TARGETS = {  # longest input, octets
+    "fuzz_wire": 4096,
+    "fuzz_packet_image": 4096,
+    "fuzz_text": 512,
+    "fuzz_engine": 600,
+    "fuzz_sealed": 600,
+    "fuzz_message": 2048,
+    "fuzz_payload": 1024,
+}
 
 
 class FuzzError(Exception):

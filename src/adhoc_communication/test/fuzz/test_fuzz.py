@@ -16,7 +16,8 @@ HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[3]
 VECTORS = HERE.parent.parent / "docs" / "protocol_vectors.json"
 VARIANTS = 100_000  # of each stored input
-VARIANTS_OF_ALL = {"fuzz_engine": 52_000}  # inputs together; two engines take longer than a parser
+# Inputs together: two engines take longer than a parser, and so do sums and whole messages.
+VARIANTS_OF_ALL = {"fuzz_engine": 52_000, "fuzz_sealed": 10_000, "fuzz_message": 300_000, "fuzz_payload": 300_000}
 
 
 @pytest.mark.parametrize("target", run_fuzz.TARGETS)
@@ -31,9 +32,10 @@ def test_nothing_is_found(target):
     assert done.stdout == f"{inputs * (1 + variants)} inputs\n"
 
 
-def test_frames_of_all_types_reach_the_engines():
+@pytest.mark.parametrize("target", ["fuzz_engine", "fuzz_sealed"])
+def test_frames_of_all_types_reach_the_engines(target):
     """Made by the fuzzer; from inputs with none of a type it would hardly ever come to one."""
-    command = [str(Path(os.environ["FUZZ_REPLAY"]) / "corpus_types"), str(HERE / "corpus" / "fuzz_engine")]
+    command = [str(Path(os.environ["FUZZ_REPLAY"]) / "corpus_types"), str(HERE / "corpus" / target)]
     taken = subprocess.run(command, stdout=subprocess.PIPE, check=True, timeout=120).stdout
     frames = json.loads(VECTORS.read_text())["frames"]
     assert {int(line) for line in taken.split()} == {example["header"]["type"] for example in frames}
@@ -64,7 +66,7 @@ def test_all_runs_together_are_a_row(tmp_path):
     row = run_fuzz.row(ledger)
     assert (row["value"], row["holds"]) == (100_000_000, True)
     assert row["detail"].startswith("2 runs, 1 of which found a fault;")
-    assert row["detail"].endswith("fuzz_text 100000000, fuzz_engine 0")
+    assert row["detail"].endswith("fuzz_text 100000000, fuzz_engine 0, fuzz_sealed 0, fuzz_message 0, fuzz_payload 0")
 
 
 def test_the_published_row_is_that_of_the_kept_runs():
