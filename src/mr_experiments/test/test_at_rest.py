@@ -10,7 +10,7 @@ import pytest
 from mr_experiments.host.mission import Mission
 from mr_experiments.trial.trial import Trial
 
-SETTLE, REST = 900.0, 1800.0  # s; until caches are full, and afterwards
+SETTLE, REST = 1800.0, 1800.0  # s; until caches are full and the last registration is done, and afterwards
 PARTITION_PERIOD, PARTITION = 40.0, 15.0  # s from one to the next, and how long each is
 SLACK = 50_000  # octets in that time: a late registration may keep more of a map than the one before
 
