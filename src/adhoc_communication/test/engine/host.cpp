@@ -170,6 +170,16 @@ wire::RouteReply reply_about(const Host& destination, const Host& originator) {
   return reply;
 }
 
+wire::TransportAcknowledgment acknowledgment_of(const Host& from, const Host& to, std::uint32_t next) {
+  wire::TransportAcknowledgment acknowledgment;
+  acknowledgment.source = from.address;
+  acknowledgment.source_boot = from.boot();
+  acknowledgment.destination = to.address;
+  acknowledgment.destination_boot = to.boot();
+  acknowledgment.next = next;
+  return acknowledgment;
+}
+
 wire::RouteError error_about(const std::vector<std::pair<Host, std::uint32_t>>& lost) {
   wire::RouteError error;
   for (const auto& [host, number] : lost) error.destinations.push_back({host.address, number});

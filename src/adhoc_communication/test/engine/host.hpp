@@ -125,6 +125,8 @@ EngineOptions without_groups(EngineOptions options = {});
 
 wire::RouteRequest request_for(const Host& destination, const Host& originator, std::uint32_t id = 1);
 wire::RouteReply reply_about(const Host& destination, const Host& originator);
+/// All packets before `next` of a stream from `to` have come.
+wire::TransportAcknowledgment acknowledgment_of(const Host& from, const Host& to, std::uint32_t next);
 wire::RouteError error_about(const std::vector<std::pair<Host, std::uint32_t>>& lost);
 /// A packet of one segment.
 wire::Data data_for(const Host& destination, const Host& source, std::uint32_t packet = 1);

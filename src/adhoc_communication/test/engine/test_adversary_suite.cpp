@@ -96,15 +96,8 @@ TEST_P(AdversarySuite, DisplacedRunsAreNotBelieved) {
         return liar.say(robot, reply_about(displaced, make_host(8)));
       case 2:
         return liar.say(robot, data_for(liar.robot(robot), displaced));
-      case 3: {
-        wire::TransportAcknowledgment acknowledgment;
-        acknowledgment.source = displaced.address;
-        acknowledgment.source_boot = displaced.boot();
-        acknowledgment.destination = Team::address(robot);
-        acknowledgment.destination_boot = wire::boot_tag(team_.boot_id(robot));
-        acknowledgment.next = 1'000'000;
-        return liar.say(robot, wire::FrameType::kTransportAcknowledgment, wire::to_bytes(acknowledgment));
-      }
+      case 3:
+        return liar.say(robot, acknowledgment_of(displaced, liar.robot(robot), 1'000'000));
       case 4: {
         wire::Flood flood;
         flood.source = displaced.address;

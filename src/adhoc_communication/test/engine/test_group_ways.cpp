@@ -74,13 +74,8 @@ wire::GroupData packet_for(const Host& root, const std::string& group) {
 void join(Fork& fork) {
   fork.node().join_group("mc_" + fork.a.name, fork.now());
   fork.run_for(5ms);
-  wire::TransportAcknowledgment acknowledgment;
-  acknowledgment.source = fork.a.address;
-  acknowledgment.source_boot = fork.a.boot();
-  acknowledgment.destination = fork.self().address;
-  acknowledgment.destination_boot = fork.self().boot();
+  wire::TransportAcknowledgment acknowledgment = acknowledgment_of(fork.a, fork.self(), 2);
   acknowledgment.stream = static_cast<std::uint8_t>(Priority::kControl);
-  acknowledgment.next = 2;
   fork.say(fork.a, acknowledgment, fork.self().address);
   fork.run_for(5ms);
 }

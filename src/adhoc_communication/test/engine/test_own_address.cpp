@@ -45,15 +45,8 @@ class AdversarySuiteWithAnAddress : public AdversarySuite {
         return impostor.say(robot, error_about({{impostor.robot(2), 1000}}));
       case 4:
         return impostor.demand_acknowledgment(robot);
-      case 5: {
-        wire::TransportAcknowledgment acknowledgment;
-        acknowledgment.source = self.address;
-        acknowledgment.source_boot = self.boot();
-        acknowledgment.destination = Team::address(robot);
-        acknowledgment.destination_boot = wire::boot_tag(team_.boot_id(robot));
-        acknowledgment.next = 1'000'000;
-        return impostor.say(robot, acknowledgment);
-      }
+      case 5:
+        return impostor.say(robot, acknowledgment_of(self, impostor.robot(robot), 1'000'000));
       case 6:
         return impostor.say(robot, wire::GroupActivation{self.address, self.boot(), 1, {Team::address(robot)}});
       default:
