@@ -52,7 +52,7 @@ Row transfer(std::size_t hops, double loss, int seeds) {
 /// channel where those who do not hear each other send at once, and collide.
 enum class Channel { kOwn, kShared, kReused, kContended };
 
-/// Share of the capacity that 20 MB get.
+/// Share of the capacity that 20 MB get in steady state: a packet before them has found the route.
 double goodput(std::size_t hops, double loss, Channel channel, std::uint64_t seed) {
   MediumOptions medium;
   medium.loss = loss;
@@ -62,6 +62,8 @@ double goodput(std::size_t hops, double loss, Channel channel, std::uint64_t see
   Team team(medium, seed);
   team.add_line(hops + 1);
   team.run_for(1s);
+  const SendId first = team.send(0, Team::name(hops), noise(1'000'000, 20), Priority::kBulk);
+  team.run_until_done([&] { return team.finished(0, first) != nullptr; }, 60s);
   std::size_t sent = 0;
   const Time start = team.now();
   std::vector<SendId> ids;
