@@ -3,7 +3,7 @@ option(ADHOC_SANITIZE "Build the protocol engine with AddressSanitizer and Undef
 
 # Reading the headers is most of the work on small files: so many are compiled as one, which takes less than half of the time.
 # Names in unnamed namespaces are therefore different in all files of a target. (CMake 3.16 and later.)
-set(ADHOC_FILES_AT_ONCE 8)
+set(ADHOC_FILES_AT_ONCE 16)
 
 find_path(ZSTD_INCLUDE_DIR zstd.h)
 find_library(ZSTD_LIBRARY zstd)

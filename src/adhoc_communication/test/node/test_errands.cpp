@@ -9,7 +9,7 @@
 namespace adhoc_communication {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(10);
+constexpr auto kLongWait = std::chrono::seconds(10);
 
 /// The engine stood still when a robot came while the master hung.
 TEST(Errands, OneThatHangsHoldsUpNobodyAndTheOldestThatWaitAreDropped) {
@@ -20,7 +20,7 @@ TEST(Errands, OneThatHangsHoldsUpNobodyAndTheOldestThatWaitAreDropped) {
     begun.set_value();
     release.get_future().wait();
   });
-  ASSERT_EQ(begun.get_future().wait_for(kPatience), std::future_status::ready);
+  ASSERT_EQ(begun.get_future().wait_for(kLongWait), std::future_status::ready);
   for (int i = 1; i <= 5; ++i) {
     errands.add([&run, &ended, i] {
       run.push_back(i);
@@ -28,7 +28,7 @@ TEST(Errands, OneThatHangsHoldsUpNobodyAndTheOldestThatWaitAreDropped) {
     });
   }
   release.set_value();
-  ASSERT_EQ(ended.get_future().wait_for(kPatience), std::future_status::ready);
+  ASSERT_EQ(ended.get_future().wait_for(kLongWait), std::future_status::ready);
   EXPECT_EQ(run, (std::vector<int>{3, 4, 5}));
 }
 
