@@ -126,6 +126,8 @@ def soak(folder: Path, world: str, seed: int, seconds: float, outcomes: list[Out
 
 def _run(mission: SoakMission, faults: Sequence = (), hold: float = 0.0) -> Outcome:
     begin = time.monotonic()
+    rest = f"; once the world is explored, its robots are watched for {hold / 60.0:.0f} min" if hold else ""
+    print(f"soak: {mission.name}: begins{rest}", file=sys.stderr, flush=True)
     outcome = mission.run(faults, hold)
     verdict = (
         "survived" if outcome.survived else f"exit code {outcome.code}, stuck: {outcome.stuck}, left: {outcome.left}"
