@@ -40,7 +40,8 @@ def test_what_follows_from_the_robot_is_as_the_text_says() -> None:
     options = navigation_with()
     table = _text().partition("**What follows from the robot.**")[2].partition("**Constants.**")[0]
     told = [float(number) for number in re.findall(r"^\| that .* \| ([\d.]+) .* \| .* \|$", table, re.MULTILINE)]
-    assert told == [round(value, 2) for value in (options.horizon, options.reach, 1.0 / CREEPING)]
+    manoeuvres = options.reach - options.circumscribed_radius - _of_cpp()["kStep"]
+    assert told == [round(value, 2) for value in (options.horizon, options.reach, manoeuvres, 1.0 / CREEPING)]
 
 
 def _of_python() -> Dict[str, float]:

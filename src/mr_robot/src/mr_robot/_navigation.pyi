@@ -122,6 +122,7 @@ def manoeuvre(
     obstacles: np.ndarray,
     footprint: Footprint,
     agility: Agility,
+    known: float,
     slack: float = ...,
 ) -> np.ndarray: ...
 def turn_wanted(cost: np.ndarray, resolution: float, origin: _Pair, goal: _Pair, pose: _Pose) -> float: ...

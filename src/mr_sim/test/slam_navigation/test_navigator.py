@@ -325,7 +325,7 @@ def plan_out(
     start = (1.0, 2.0, 0.0)
     cells = way.grid.cells.copy()
     cells[unknown] = -1
-    return _navigation.manoeuvre(way.cost, cells, 0.05, (0.0, 0.0), way.goal, start, obstacles, FOOTPRINT, AGILITY)
+    return _navigation.manoeuvre(way.cost, cells, 0.05, (0.0, 0.0), way.goal, start, obstacles, FOOTPRINT, AGILITY, 1.3)
 
 
 def test_a_way_out_gains_room_and_never_comes_nearer() -> None:

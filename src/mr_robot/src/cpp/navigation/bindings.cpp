@@ -274,14 +274,15 @@ PYBIND11_MODULE(_navigation, module) {
       "manoeuvre",
       [](const Floats& cost, const Bytes& cells, double resolution, const Pair& origin, const Pair& goal,
          const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility,
-         double slack) {
+         double known, double slack) {
         require(same_shape(cells, cost), "cells and cost need the same shape (rows, columns)");
         const Field field = to_field(cost, resolution, origin, goal);
         const OwnedMap map = own_map(cells, resolution, origin);
-        return to_rows(manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility, slack));
+        return to_rows(
+            manoeuvre(field, map.view, to_pose(pose), to_obstacles(obstacles), footprint, agility, known, slack));
       },
       py::arg("cost"), py::arg("cells"), py::arg("resolution"), py::arg("origin"), py::arg("goal"), py::arg("pose"),
-      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"), py::arg("slack") = kSlack,
+      py::arg("obstacles"), py::arg("footprint"), py::arg("agility"), py::arg("known"), py::arg("slack") = kSlack,
       "Rows (x, y, yaw, direction, seconds), the first the present pose.");
   module.def(
       "turn_wanted",

@@ -12,7 +12,6 @@
 namespace mr_robot::navigation {
 namespace {
 
-constexpr double kReach = 0.9;              // m around the start; obstacles are known not much farther
 constexpr int kHeadings = 32;               // of a whole turn
 constexpr double kStep = 0.1;               // m of one motion
 constexpr double kCell = 0.5 * kStep;       // m, so that each motion leaves its cell
@@ -44,7 +43,7 @@ Pose along(const Pose& pose, double way, double turn) {
 class Search {
  public:
   Search(const Field& field, const Map& map, const Pose& start, const std::vector<Obstacle>& obstacles,
-         const Footprint& footprint, const Agility& agility, double slack)
+         const Footprint& footprint, const Agility& agility, double known, double slack)
       : field_(field),
         map_(map),
         start_(start),
@@ -52,7 +51,8 @@ class Search {
         footprint_(footprint),
         agility_(agility),
         slack_(slack),
-        body_(start, kReach + kCell, kCell, obstacles, footprint) {
+        reach_(std::max(kStep, known - std::hypot(footprint.half_length, footprint.half_width) - kStep)),
+        body_(start, reach_ + kCell, kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = least_clearance(at_start_, slack);
     starts_roomy_ = body_.roomy(start);
@@ -80,7 +80,7 @@ class Search {
   double left(const Pose& pose) const {
     const double cost = cost_at(field_, pose.x, pose.y);
     if (std::isfinite(cost)) return cost * field_.resolution / agility_.limits.linear;
-    return (std::isfinite(start_cost_) ? start_cost_ * field_.resolution + 2.0 * kReach : 0.0) / agility_.limits.linear;
+    return (std::isfinite(start_cost_) ? start_cost_ * field_.resolution + 2.0 * reach_ : 0.0) / agility_.limits.linear;
   }
 
   static std::uint64_t key(const Pose& pose, double direction) {
@@ -98,7 +98,7 @@ class Search {
     const double off = std::hypot(node.pose.x - start_.x, node.pose.y - start_.y);
     const double at_goal = std::hypot(node.pose.x - field_.goal.x, node.pose.y - field_.goal.y);
     if (roomy && !starts_roomy_ && roomiest_ < 0) roomiest_ = index;
-    const bool ends = roomy ? !starts_roomy_ || node.way >= 2.0 * kStep : off >= kReach - kStep || at_goal < kStep;
+    const bool ends = roomy ? !starts_roomy_ || node.way >= 2.0 * kStep : off >= reach_ - kStep || at_goal < kStep;
     if (!ends || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
     double total = node.price + left(node.pose);
     if (const auto direction = downhill(field_, node.pose.x, node.pose.y)) {
@@ -127,7 +127,7 @@ class Search {
 
   void long_arc(double direction, double curvature) {
     std::int32_t last = 0;
-    for (double way = 0.0; way < kReach && last >= 0; way += kStep) last = move(last, direction, curvature * kStep);
+    for (double way = 0.0; way < reach_ && last >= 0; way += kStep) last = move(last, direction, curvature * kStep);
   }
 
   // Adds the node that a motion leads to; its number, or -1 if something is in the way.
@@ -135,7 +135,7 @@ class Search {
     const Node& node = nodes_[from];
     const double way = direction * kStep;
     const Pose end = along(node.pose, way, turn);
-    if (std::hypot(end.x - start_.x, end.y - start_.y) > kReach + kStep) return -1;
+    if (std::hypot(end.x - start_.x, end.y - start_.y) > reach_ + kStep) return -1;
     const double room = body_.clearance(end);
     if (room < least_ || body_.clearance(node.pose, along(node.pose, 0.5 * way, 0.5 * turn), end) < least_) return -1;
     double seconds = std::abs(way) / agility_.linear;
@@ -187,6 +187,7 @@ class Search {
   Footprint footprint_;
   Agility agility_;
   double slack_;
+  double reach_;  // m around the start, with a step more the body stays within what is known
   Body body_;
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;
   bool starts_roomy_ = false;
@@ -201,8 +202,8 @@ class Search {
 
 std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& start,
                                 const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                                const Agility& agility, double slack) {
-  return Search(field, map, start, obstacles, footprint, agility, slack).run();
+                                const Agility& agility, double known, double slack) {
+  return Search(field, map, start, obstacles, footprint, agility, known, slack).run();
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {

@@ -30,10 +30,10 @@ struct Agility {
 // the footprint does, comes no nearer to obstacles than kTouching, and from nearer by `slack` m nearer. Where no such
 // way is found, one to the roomiest pose. Empty if there is no better pose than the present one. Backing over what is
 // unknown in the map is the last choice: a laser that looks ahead does not show what is there. Its first motion
-// is one that `is_clear` allows a robot that stands.
+// is one that `is_clear` allows a robot that stands. `known`: m around the start in which all obstacles are given.
 std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& start,
                                 const std::vector<Obstacle>& obstacles, const Footprint& footprint,
-                                const Agility& agility, double slack);
+                                const Agility& agility, double known, double slack);
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint);
 

@@ -50,7 +50,9 @@ class Follower:
             tight = np.concatenate([tight, bare(hazards.followers(), self._options.obstacle_margin)])
         if wanted:
             self._planned_at = now
-            self._manoeuvre = plan_manoeuvre(way, pose, tight, self._motion.footprint, self._motion.limits, slack)
+            self._manoeuvre = plan_manoeuvre(
+                way, pose, tight, self._motion.footprint, self._motion.limits, self._options.reach, slack
+            )
         if self._manoeuvre is not None:
             target = self._manoeuvre.velocity(pose, self._options.controller_period)
             if target is not None:

@@ -21,10 +21,11 @@ def plan_manoeuvre(
     obstacles: np.ndarray,
     footprint: _navigation.Footprint,
     limits: _navigation.Limits,
+    known: float,
     slack: float,
 ) -> Optional["Manoeuvre"]:
     """From a pose with little room on along the way, or to the nearest pose with room; None: nothing is better than to
-    stay. `obstacles`: rows (x, y, margin, reaction time). `slack`: m nearer than now that a robot which may touch
+    stay. `obstacles`: rows (x, y, margin, reaction time), all within `known` m of the pose. `slack`: m nearer than now that a robot which may touch
     something already may come to it."""
     agility = _navigation.Agility(limits)
     rows = _navigation.manoeuvre(
@@ -37,6 +38,7 @@ def plan_manoeuvre(
         obstacles,
         footprint,
         agility,
+        known,
         slack,
     )
     return Manoeuvre(rows) if len(rows) > 1 else None
