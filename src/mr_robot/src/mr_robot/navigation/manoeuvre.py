@@ -25,8 +25,8 @@ def plan_manoeuvre(
     slack: float,
 ) -> Optional["Manoeuvre"]:
     """From a pose with little room on along the way, or to the nearest pose with room; None: nothing is better than to
-    stay. `obstacles`: rows (x, y, margin, reaction time), all within `known` m of the pose. `slack`: m nearer than now that a robot which may touch
-    something already may come to it."""
+    stay. `obstacles`: rows (x, y, margin, reaction time), all within `known` m of the pose. `slack`: m nearer than now
+    that a robot which may touch something already may come to it."""
     agility = _navigation.Agility(limits)
     rows = _navigation.manoeuvre(
         way.cost,

@@ -38,7 +38,7 @@ def ompl(radius: float, limit: float) -> Planner:
     import _ompl_peer as core
 
     def plan(*arguments: object) -> np.ndarray:
-        cost, _, *situation, _, _ = arguments  # neither the map nor how far obstacles are known nor how near it may come
+        cost, _, *situation, _, _ = arguments  # not the map, how far obstacles are known, how near it may come
         return core.manoeuvre(cost, *situation, radius, limit)
 
     return plan
