@@ -273,8 +273,8 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "manoeuvre",
       [](const Floats& cost, const Bytes& cells, double resolution, const Pair& origin, const Pair& goal,
-         const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility,
-         double known, double slack) {
+         const Triple& pose, const Doubles& obstacles, const Footprint& footprint, const Agility& agility, double known,
+         double slack) {
         require(same_shape(cells, cost), "cells and cost need the same shape (rows, columns)");
         const Field field = to_field(cost, resolution, origin, goal);
         const OwnedMap map = own_map(cells, resolution, origin);
