@@ -179,7 +179,7 @@ Cost Neighbors::cost(const MacAddress& address) const {
 double Neighbors::loss(const MacAddress& address) const {
   const Neighbor* neighbor = find(address);
   if (neighbor == nullptr) return 0.0;
-  return link_layer_.repeats() ? neighbor->reported_loss : neighbor->seen_loss.value_or(neighbor->reported_loss);
+  return link_layer_.loss(neighbor->reported_loss, neighbor->seen_loss);
 }
 
 double Neighbors::beacon_loss(const MacAddress& address) const {

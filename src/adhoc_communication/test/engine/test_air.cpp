@@ -217,12 +217,24 @@ TEST(Carriage, AFewNearMembersGetTheirOwnFramesAndManyOneForAll) {
 TEST(LinkLayer, IsKnownByTheLossThatItHides) {
   routing::LinkLayer silent;
   for (int i = 0; i < 1000; ++i) silent.compare(0.0, 0.0);
-  EXPECT_FALSE(silent.repeats()) << "no loss, no evidence";
+  EXPECT_FALSE(silent.repeats().has_value()) << "no loss, no evidence";
   routing::LinkLayer repeating;
   for (int i = 0; i < 100; ++i) repeating.compare(0.2, 0.01);
-  EXPECT_TRUE(repeating.repeats());
+  EXPECT_EQ(repeating.repeats(), true);
   for (int i = 0; i < 500; ++i) repeating.compare(0.2, 0.2);
-  EXPECT_FALSE(repeating.repeats());
+  EXPECT_EQ(repeating.repeats(), false);
+}
+
+/// At the start a used link, whose loss the radio hides, was compared with the beacons of links that nobody used.
+TEST(LinkLayer, TheTwoKindsOfLossAreNeverMixed) {
+  routing::LinkLayer link_layer;
+  EXPECT_EQ(link_layer.loss(0.3, 0.01), 0.3) << "it may repeat";
+  EXPECT_EQ(link_layer.loss(0.1, 0.6), 0.6) << "beacons tell late of a link that fades";
+  EXPECT_EQ(link_layer.loss(0.3, std::nullopt), 0.3);
+  for (int i = 0; i < 100; ++i) link_layer.compare(0.2, 0.01);
+  EXPECT_EQ(link_layer.loss(0.1, 0.6), 0.1);
+  for (int i = 0; i < 500; ++i) link_layer.compare(0.2, 0.2);
+  EXPECT_EQ(link_layer.loss(0.3, 0.01), 0.01);
 }
 
 /// Robot 0 sends packets to robot 1; the hop ARQ sees what the link layer has left of the loss, beacons see all of it.
