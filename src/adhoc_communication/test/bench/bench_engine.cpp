@@ -18,6 +18,7 @@ const std::vector<std::pair<std::string, std::function<void(const Effort&, Rows&
     {"multicast", measure_multicast},
     {"mixed_rates", measure_mixed_rates},
     {"routes", measure_routes},
+    {"wifi", measure_wifi},
     {"idle", measure_idle},
     {"priority", measure_priority},
     {"mobile", measure_mobile}};

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rows.hpp"
+#include "wifi.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
 
@@ -25,30 +25,9 @@ struct Mix {
   double loss;                  ///< of each try
 };
 
-MediumOptions medium_of(const Mix& mix) {
-  MediumOptions medium;
-  medium.contention = true;
-  medium.loss = mix.loss;
-  medium.rates.broadcast = mix.broadcast;
-  medium.rates.unicast = ofdm_rates();
-  medium.rates.unicast_retries = 7;
-  return medium;
-}
+MediumOptions medium_of(const Mix& mix) { return wifi(mix.loss, mix.broadcast); }
 
-/// Where the rate of that margin is taken, or the middle of what belongs to it.
-double distance_of(double bit_rate, const MediumOptions& medium) {
-  const std::vector<Rate> rates = ofdm_rates();
-  const auto rate = std::find_if(rates.begin(), rates.end(), [&](const Rate& r) { return r.bit_rate >= bit_rate; });
-  const double margin = rate->margin + 0.5;
-  return medium.range * std::pow(10.0, -margin / 40.0);
-}
-
-/// Seconds for one frame of full size, with the mean wait for the channel.
-double frame_time(double bit_rate, bool unicast, const MediumOptions& medium) {
-  const double wait = static_cast<double>(medium.slots - 1) / 2 * seconds(medium.slot);
-  const double answer = unicast ? seconds(medium.rates.acknowledgment) : 0.0;
-  return wait + seconds(medium.frame_overhead) + 1500 * 8 / bit_rate + answer;
-}
+constexpr std::size_t kFullGroupFrame = 1500;
 
 /// Seconds.
 double ideal(const Mix& mix) {
@@ -56,10 +35,11 @@ double ideal(const Mix& mix) {
   const double room = 1500.0 - wire::kHeaderSize - wire::kTagSize - wire::kGroupDataHeaderSize;
   const double frames = std::ceil(kOctets / room);
   double unicasts = 0;
-  for (const double bit_rate : mix.unicast) unicasts += frame_time(bit_rate, true, medium) / (1 - mix.loss);
+  for (const double bit_rate : mix.unicast)
+    unicasts += frame_time(kFullGroupFrame, bit_rate, true, medium) / (1 - mix.loss);
   const int members = static_cast<int>(mix.unicast.size());
   const double sends = mix.loss > 0 ? ideal_sends(128, members, mix.loss) : 1.0;
-  return frames * std::min(unicasts, sends * frame_time(mix.broadcast, false, medium));
+  return frames * std::min(unicasts, sends * frame_time(kFullGroupFrame, mix.broadcast, false, medium));
 }
 
 struct Outcome {
@@ -75,7 +55,7 @@ Outcome send_to_group(const Mix& mix, std::uint64_t seed) {
   team.add({}, 0, 0);
   for (std::size_t i = 0; i < mix.unicast.size(); ++i) {
     const double angle = 2 * std::acos(-1.0) * static_cast<double>(i) / static_cast<double>(mix.unicast.size());
-    const double distance = distance_of(mix.unicast[i], medium);
+    const double distance = distance_at(mix.unicast[i], medium);
     team.add({}, distance * std::cos(angle), distance * std::sin(angle));
   }
   team.run_for(8s);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "rows.hpp"
+#include "wifi.hpp"
 
 namespace adhoc_communication::bench {
 namespace {
@@ -12,10 +12,10 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMessage = 10'000;
 constexpr int kKillsPerTrial = 15;
 
-/// A square, 0 - 1 - 3 and 0 - 2 - 3, in which 0 sends to 3 at half of the capacity.
+/// A square, 0 - 1 - 3 and 0 - 2 - 3, in which 0 sends to 3.
 class Square {
  public:
-  Square(double loss, std::uint64_t seed) : team_(radio(loss), seed) {
+  Square(const MediumOptions& medium, Time interval, std::uint64_t seed) : interval_(interval), team_(medium, seed) {
     team_.add({}, 0, 0);
     team_.add({}, 7, 4);
     team_.add({}, 7, -4);
@@ -29,7 +29,7 @@ class Square {
   void flow(Time duration) {
     for (const Time end = team_.now() + duration; team_.now() < end;) {
       sent_.push_back(team_.send(0, "robot_3", payload_));
-      team_.run_for(kInterval);
+      team_.run_for(interval_);
     }
   }
 
@@ -61,33 +61,34 @@ class Square {
   }
 
  private:
-  static inline const Time kInterval = Time(static_cast<Time::rep>(8e9 * kMessage / (0.5 * capacity())));
-
-  static MediumOptions radio(double loss) {
-    MediumOptions medium;
-    medium.loss = loss;
-    return medium;
-  }
-
+  Time interval_;  ///< between messages
   Team team_;
   Bytes payload_ = noise(kMessage, 3);
   std::size_t relay_ = 0;
   std::vector<SendId> sent_;
 };
 
-Row repair(double loss, int kills) {
+MediumOptions radio(double loss) {
+  MediumOptions medium;
+  medium.loss = loss;
+  return medium;
+}
+
+}  // namespace
+
+Row repair(const MediumOptions& medium, const std::string& on, Time interval, int kills) {
   std::vector<double> times;
   int lost = 0;
   int spoiled = 0;
   for (int seed = 1; seed <= kills; ++seed) {
-    Square square(loss, static_cast<std::uint64_t>(seed));
+    Square square(medium, interval, static_cast<std::uint64_t>(seed));
     square.flow(300ms + Time(seed % 100 * 1'000'000));
     times.push_back(square.kill_relay());
     lost += square.lost();
     spoiled += square.spoiled();
   }
   const double p99 = quantile(times, 0.99);
-  return {format("repair after %.0f kills at half capacity, loss %.0f %%: p99", kills, loss * 100),
+  return {format("repair after %.0f kills at half capacity, loss %.0f %%", kills, medium.loss * 100) + on + ": p99",
           "<= 1.0",
           p99,
           "s",
@@ -95,6 +96,8 @@ Row repair(double loss, int kills) {
           format("p50 %.3f s, max %.3f s, messages lost: %.0f", quantile(times, 0.5), quantile(times, 1.0), lost) +
               format(", twice or altered: %.0f", spoiled)};
 }
+
+namespace {
 
 /// The slowest of several.
 Row absent(int seeds) {
@@ -113,11 +116,11 @@ Row absent(int seeds) {
   return {"absent destination reported, slowest", "<= 2.0", slowest, "s", slowest <= 2.0, reason};
 }
 
-Row first_route(double loss, int seeds) {
+}  // namespace
+
+Row first_route(const MediumOptions& medium, const std::string& on, int seeds) {
   std::vector<double> times;
   for (int seed = 1; seed <= seeds; ++seed) {
-    MediumOptions medium;
-    medium.loss = loss;
     Team team(medium, static_cast<std::uint64_t>(seed));
     EngineOptions cold;
     cold.join_groups_automatically = false;  // joining would find the route before
@@ -128,9 +131,9 @@ Row first_route(double loss, int seeds) {
     team.run_until_done([&] { return !team.received(4).empty(); }, 20s);
     times.push_back(seconds(team.now() - start));
   }
-  const double bar = loss > 0 ? 0.5 : 0.05;
+  const double bar = medium.loss > 0 ? 0.5 : 0.05;
   const double p50 = quantile(times, 0.5);
-  return {format("first message over 4 hops, loss %.0f %%, p50", loss * 100),
+  return {format("first message over 4 hops, loss %.0f %%", medium.loss * 100) + on + ", p50",
           format("<= %.2f", bar),
           p50,
           "s",
@@ -138,12 +141,11 @@ Row first_route(double loss, int seeds) {
           format("p99 %.3f s", quantile(times, 0.99))};
 }
 
-}  // namespace
-
 void measure_routes(const Effort& effort, Rows& rows) {
   const int trials = effort.trials;
-  for (const double loss : {0.0, 0.1}) rows.add(repair(loss, kKillsPerTrial * trials));
-  for (const double loss : {0.0, 0.3}) rows.add(first_route(loss, trials));
+  const Time half_of_capacity(static_cast<Time::rep>(8e9 * kMessage / (0.5 * capacity())));
+  for (const double loss : {0.0, 0.1}) rows.add(repair(radio(loss), "", half_of_capacity, kKillsPerTrial * trials));
+  for (const double loss : {0.0, 0.3}) rows.add(first_route(radio(loss), "", trials));
   rows.add(absent(trials));
 }
 

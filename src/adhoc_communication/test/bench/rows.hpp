@@ -60,6 +60,7 @@ void measure_goodput(const Effort& effort, Rows& rows);
 void measure_multicast(const Effort& effort, Rows& rows);
 void measure_mixed_rates(const Effort& effort, Rows& rows);
 void measure_routes(const Effort& effort, Rows& rows);
+void measure_wifi(const Effort& effort, Rows& rows);
 void measure_idle(const Effort& effort, Rows& rows);
 void measure_priority(const Effort& effort, Rows& rows);
 void measure_mobile(const Effort& effort, Rows& rows);
