@@ -101,6 +101,8 @@ class Neighbors {
   /// By which links are compared: that which the hop ARQ sees, or its beacons say where it has seen too little. Where
   /// the link layer hides what frames to one robot lose, that of beacons for all.
   double loss(const MacAddress& address) const;
+  /// Frames to one robot by itself, as Wi-Fi does: nothing says that it does not.
+  bool radio_may_repeat() const { return link_layer_.repeats() != false; }
   /// Of frames that nobody repeats, as its beacons say.
   double beacon_loss(const MacAddress& address) const;
 

@@ -29,6 +29,7 @@ bool HopSender::has_lost() const {
 
 /// More of them would crowd a crowded channel until it carries nothing but repetitions.
 std::size_t HopSender::most_unresolved() const {
+  if (probing_) return kProbes;
   return round_trip_.timeout() < kSlowAnswers ? kMostUnresolved : kFewUnresolved;
 }
 
@@ -206,6 +207,7 @@ void HopSender::expire(Time now) {
     ++overdue_;
     count_outcome(1.0, now);
     transmission_lost(transmission, true);
+    probing_ = probing_ || (sparing_ && now - silent_since_ >= round_trip_.timeout());
   }
   if (in_flight_.empty()) waiting_since_.reset();  // given up: nothing is outstanding any more
 }
@@ -238,6 +240,7 @@ void HopSender::clear() {
   late_.clear();
   expiries_ = 0;
   overdue_ = 0;
+  probing_ = false;
   question_.reset();
   waiting_since_.reset();
 }

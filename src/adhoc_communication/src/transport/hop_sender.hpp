@@ -24,6 +24,9 @@ class HopSender {
   static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
   static constexpr std::size_t kMostUnresolved = 48;  ///< transmissions whose fate is open
   static constexpr std::size_t kFewUnresolved = 16;   ///< the same while answers are slow, or none is known
+  /// The same for a sparing one once a timer has run out and nothing was heard for as long: a radio that repeats frames
+  /// for a neighbour that is gone has no air for what could find another way.
+  static constexpr std::size_t kProbes = 8;
   static constexpr Time kSlowAnswers = std::chrono::milliseconds(15);  ///< of the timer
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
@@ -58,6 +61,8 @@ class HopSender {
   void be_patient(Time patience) { patience_ = patience; }
   /// Nobody else is known to send on the channel, so that an answer which is overdue is asked for soon.
   void be_eager(bool eager) { eager_ = eager; }
+  /// The radio may repeat frames by itself, so that those for a neighbour that is gone take long.
+  void be_sparing(bool sparing) { sparing_ = sparing; }
 
   void enqueue(HopFrame frame) { waiting_[frame.priority].push(std::move(frame)); }
   std::size_t waiting() const;
@@ -98,7 +103,10 @@ class HopSender {
 
   /// True when the acknowledgment resolved something. The frames that are done with are added to `passed`.
   bool acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now, std::vector<Passed>* passed = nullptr);
-  void heard(Time now) { silent_since_ = now; }
+  void heard(Time now) {
+    silent_since_ = now;
+    probing_ = false;
+  }
   /// The host called late: silence before now proves nothing.
   void excuse_silence(Time now);
   /// Marks frames whose timer has run out as lost.
@@ -144,7 +152,7 @@ class HopSender {
   Time timer() const;
   bool has_lost() const;
   bool answers_question(const Transmission& transmission) const;
-  bool window_full() const { return question_ && !may_start(); }
+  bool window_full() const { return question_ && !probing_ && !may_start(); }
   Time answer_overdue() const;
   void repeat_oldest(Time now);
   void keep_late(const Transmission& transmission);
@@ -163,6 +171,8 @@ class HopSender {
   int expiries_ = 0;  ///< of timers since the last acknowledgment
   int overdue_ = 0;   ///< answers that were missed since then, timers included
   bool eager_ = false;
+  bool sparing_ = false;
+  bool probing_ = false;
   Time latest_{0};  ///< when the latest transmission went out
   RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
   std::optional<Question> question_;  ///< that is not answered

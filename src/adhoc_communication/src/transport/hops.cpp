@@ -243,6 +243,7 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   const bool shared = air_.shared(now);
   hop.sender.be_patient(shared ? turns_.patience(neighbor) : Time(0));
   hop.sender.be_eager(air_.alone(now));
+  hop.sender.be_sparing(neighbors_.radio_may_repeat());
   const bool at_once = shared && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
                                                       : wants_answer(neighbor, hop, outgoing.type, now);
   if (at_once) hop.sender.ask(counter, now);

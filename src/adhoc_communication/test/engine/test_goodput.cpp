@@ -198,6 +198,29 @@ TEST(HopSender, OnlyQuickAnswersOpenTheWholeWindow) {
   }
 }
 
+/// All frames were handed to a radio that repeats each for 20 ms, and the search for another way waited behind them.
+TEST(HopSender, ASilentNeighborGetsFewFramesWhereTheRadioMayRepeatThem) {
+  HopSender sender(1, 10);
+  sender.be_sparing(true);
+  std::uint64_t counter = 0;
+  const auto fill = [&](Time now) {
+    while (sender.has_resend(0) && sender.may_resend()) sender.resend(0, {}, ++counter, now);
+    while (sender.may_start()) sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now);
+    return sender.unresolved();
+  };
+  sender.heard(0ms);
+  EXPECT_EQ(fill(0ms), HopSender::kFewUnresolved);
+  sender.expire(20ms);
+  EXPECT_EQ(fill(20ms), HopSender::kProbes) << "nothing was heard since they were sent";
+  sender.expire(30ms);
+  EXPECT_EQ(fill(30ms), HopSender::kProbes);
+  sender.heard(31ms);
+  EXPECT_EQ(fill(31ms), HopSender::kFewUnresolved) << "it lives";
+  sender.be_sparing(false);
+  sender.expire(200ms);
+  EXPECT_EQ(fill(200ms), HopSender::kFewUnresolved) << "a radio that does not repeat is done with them soon";
+}
+
 /// Until the timers of 10 ms and more nothing moved when the answer to the frame that filled the window was lost.
 TEST(HopSender, AFullWindowAsksAgainAsSoonAsTheAnswerIsOverdue) {
   HopSender sender(1, 10);
