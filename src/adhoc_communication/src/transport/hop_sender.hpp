@@ -171,9 +171,9 @@ class HopSender {
   int expiries_ = 0;  ///< of timers since the last acknowledgment
   int overdue_ = 0;   ///< answers that were missed since then, timers included
   bool eager_ = false;
-  bool sparing_ = false;
-  bool probing_ = false;
-  Time latest_{0};  ///< when the latest transmission went out
+  bool sparing_ = false;  ///< see be_sparing()
+  bool probing_ = false;  ///< a timer has run out in silence, nothing was heard since, and it is sparing
+  Time latest_{0};        ///< when the latest transmission went out
   RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
   std::optional<Question> question_;  ///< that is not answered
   RoundTrip answer_{std::chrono::milliseconds(20), kShortestWait, kLongestTimer};

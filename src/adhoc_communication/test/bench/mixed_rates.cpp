@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rows.hpp"
 #include "wifi.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"

@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "wifi.hpp"
+#include "any_radio.hpp"
+#include "rows.hpp"
 
 namespace adhoc_communication::bench {
 namespace {
@@ -76,11 +77,11 @@ MediumOptions radio(double loss) {
 
 }  // namespace
 
-Row repair(const MediumOptions& medium, const std::string& on, Time interval, int kills) {
+Row repair(const MediumOptions& medium, const std::string& on, Time interval, int first_seed, int kills) {
   std::vector<double> times;
   int lost = 0;
   int spoiled = 0;
-  for (int seed = 1; seed <= kills; ++seed) {
+  for (int seed = first_seed; seed < first_seed + kills; ++seed) {
     Square square(medium, interval, static_cast<std::uint64_t>(seed));
     square.flow(300ms + Time(seed % 100 * 1'000'000));
     times.push_back(square.kill_relay());
@@ -144,7 +145,7 @@ Row first_route(const MediumOptions& medium, const std::string& on, int seeds) {
 void measure_routes(const Effort& effort, Rows& rows) {
   const int trials = effort.trials;
   const Time half_of_capacity(static_cast<Time::rep>(8e9 * kMessage / (0.5 * capacity())));
-  for (const double loss : {0.0, 0.1}) rows.add(repair(radio(loss), "", half_of_capacity, kKillsPerTrial * trials));
+  for (const double loss : {0.0, 0.1}) rows.add(repair(radio(loss), "", half_of_capacity, 1, kKillsPerTrial * trials));
   for (const double loss : {0.0, 0.3}) rows.add(first_route(radio(loss), "", trials));
   rows.add(absent(trials));
 }

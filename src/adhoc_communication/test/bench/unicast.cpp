@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "any_radio.hpp"
 #include "rows.hpp"
 #include "wire/frame_header.hpp"
 #include "wire/messages.hpp"
@@ -52,36 +53,21 @@ Row transfer(std::size_t hops, double loss, int seeds) {
 /// channel where those who do not hear each other send at once, and collide.
 enum class Channel { kOwn, kShared, kReused, kContended };
 
-/// Share of the capacity that 20 MB get in steady state: a packet before them has found the route.
-double goodput(std::size_t hops, double loss, Channel channel, std::uint64_t seed) {
+/// Share of the capacity.
+double share(std::size_t hops, double loss, Channel channel, std::uint64_t seed) {
   MediumOptions medium;
   medium.loss = loss;
   medium.shared = channel == Channel::kShared || channel == Channel::kReused;
   medium.spatial_reuse = channel == Channel::kReused;
   medium.contention = channel == Channel::kContended;
-  Team team(medium, seed);
-  team.add_line(hops + 1);
-  team.run_for(1s);
-  const SendId first = team.send(0, Team::name(hops), noise(1'000'000, 20), Priority::kBulk);
-  team.run_until_done([&] { return team.finished(0, first) != nullptr; }, 60s);
-  std::size_t sent = 0;
-  const Time start = team.now();
-  std::vector<SendId> ids;
-  for (std::uint64_t i = 0; i < 20; ++i, sent += 1'000'000) {
-    ids.push_back(team.send(0, Team::name(hops), noise(1'000'000, i), Priority::kBulk));
-  }
-  team.run_until_done([&] { return team.finished(0, ids.back()) != nullptr; }, 300s);
-  const bool whole = std::all_of(ids.begin(), ids.end(), [&](SendId id) {
-    return team.finished(0, id) != nullptr && team.finished(0, id)->delivered;
-  });
-  return whole ? 8.0 * static_cast<double>(sent) / seconds(team.now() - start) / capacity() : 0.0;
+  return goodput(hops, 8.0, medium, seed) / capacity();
 }
 
 /// What one shared hop leaves to data when every eighth frame is acknowledged by a frame on the same channel.
 double left_by_acknowledgments() {
   const MediumOptions medium;
-  const std::size_t octets = wire::kHeaderSize + wire::to_bytes(wire::HopAcknowledgment{}).size() + wire::kChecksumSize;
-  const double acknowledgment = 8.0 * static_cast<double>(octets) / medium.bit_rate + seconds(medium.frame_overhead);
+  const double octets = static_cast<double>(acknowledgment_octets());
+  const double acknowledgment = 8.0 * octets / medium.bit_rate + seconds(medium.frame_overhead);
   const double frame = 1500.0 * 8 / capacity();
   return frame / (frame + acknowledgment / 8);
 }
@@ -121,7 +107,7 @@ Row goodput_row(std::size_t hops, double loss, Channel channel, const std::vecto
 std::vector<double> goodputs(std::size_t hops, double loss, Channel channel, int seeds) {
   std::vector<double> shares;
   for (int seed = 1; seed <= seeds; ++seed) {
-    shares.push_back(goodput(hops, loss, channel, static_cast<std::uint64_t>(seed)));
+    shares.push_back(share(hops, loss, channel, static_cast<std::uint64_t>(seed)));
   }
   return shares;
 }
@@ -174,6 +160,30 @@ Row six_to_one_base(Channel channel, int seeds) {
 }
 
 }  // namespace
+
+std::size_t acknowledgment_octets() {
+  return wire::kHeaderSize + wire::to_bytes(wire::HopAcknowledgment{}).size() + wire::kChecksumSize;
+}
+
+double goodput(std::size_t hops, double spacing, const MediumOptions& medium, std::uint64_t seed) {
+  constexpr std::size_t kMegabytes = 20;
+  Team team(medium, seed);
+  team.add_line(hops + 1, {}, spacing);
+  team.run_for(1s);
+  const auto send = [&](std::size_t number) {
+    return team.send(0, Team::name(hops), noise(1'000'000, number), Priority::kBulk);
+  };
+  const SendId first = send(kMegabytes);
+  team.run_until_done([&] { return team.finished(0, first) != nullptr; }, 60s);
+  const Time start = team.now();
+  std::vector<SendId> ids;
+  for (std::size_t number = 0; number < kMegabytes; ++number) ids.push_back(send(number));
+  team.run_until_done([&] { return team.finished(0, ids.back()) != nullptr; }, 300s);
+  const bool whole = std::all_of(ids.begin(), ids.end(), [&](SendId id) {
+    return team.finished(0, id) != nullptr && team.finished(0, id)->delivered;
+  });
+  return whole ? 8e6 * kMegabytes / seconds(team.now() - start) : 0.0;
+}
 
 void measure_intact(const Effort& effort, Rows& rows) {
   for (const std::size_t hops : {1, 3, 10}) {

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 
-#include "payloads.hpp"
 #include "rows.hpp"
 
 namespace adhoc_communication::bench {
@@ -22,10 +20,5 @@ double frame_time(std::size_t octets, double bit_rate, bool unicast, const Mediu
 
 /// The same until a frame for one robot is over: it has arrived, or was tried as often as the link layer does.
 double unicast_time(std::size_t octets, double bit_rate, const MediumOptions& medium);
-
-/// Rows on any radio. `on`: its name in the row, after a comma; empty for the usual one. `interval`: between messages
-/// of 10 kB over the two hops.
-Row repair(const MediumOptions& medium, const std::string& on, Time interval, int kills);
-Row first_route(const MediumOptions& medium, const std::string& on, int seeds);
 
 }  // namespace adhoc_communication::bench
