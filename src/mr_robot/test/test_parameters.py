@@ -1,5 +1,6 @@
 """What follows from the description of a robot for the parameters of the nodes."""
 
+import math
 import re
 import subprocess
 from dataclasses import MISSING, fields, replace
@@ -67,7 +68,7 @@ def test_parameters_of_a_turtlebot():
     assert parameters["explorer"]["field_of_view"] == 0.99 and parameters["explorer"]["inflation_radius"] == 0.237
     assert parameters["move_base"]["yaw_goal_tolerance"] == 0.25
     assert parameters["move_base"]["velocity_topic"] == "cmd_vel_mux/input/navi"
-    assert parameters["move_base"]["footprint_length"] == 0.354
+    assert parameters["move_base"]["footprint_length"] == 0.354 and parameters["move_base"]["footprint_radius"] == 0.177
     assert parameters["slam"]["free_radius"] == 0.157 and parameters["slam"]["surface_deviation"] == 0.022
     assert {parameters[node]["scan_topic"] for node in ("slam", "move_base", "map_merger")} == {"scan"}
 
@@ -110,7 +111,9 @@ def test_parameters_for_nodes_of_other_packages():
     }  # fmt: skip
     assert hector_parameters(TURTLEBOT)["laser_min_dist"] == 0.45
     given = move_base_parameters(TURTLEBOT, (TURTLEBOT,))
-    assert given["local_costmap"]["footprint"][2] == [0.177, 0.177]
+    corners = given["local_costmap"]["footprint"]
+    assert all(0.177 <= math.hypot(x, y) <= 0.181 and max(abs(x), abs(y)) <= 0.177 for x, y in corners)
+    assert len(move_base_parameters(PIONEER, (PIONEER,))["local_costmap"]["footprint"]) == 4
     assert given["global_costmap"]["obstacle_layer"]["scan"]["topic"] == "scan"
     assert given["TrajectoryPlannerROS"]["yaw_goal_tolerance"] == 0.25
 

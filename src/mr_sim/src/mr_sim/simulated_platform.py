@@ -2,7 +2,7 @@
 
 import math
 
-from mr_robot.platforms.platform import Drive, Footprint, Mount, Platform, PlatformError, RangeSensor, Topics
+from mr_robot.platforms.platform import Drive, Footprint, Mount, Platform, PlatformError, RangeSensor, Topics, rounded_up
 from mr_sim.world_description import RangerDescription, RobotDescription
 
 FEWEST_BEAMS = 3  # of a scan that SLAM and navigation can use
@@ -41,7 +41,7 @@ def _footprint(robot: RobotDescription) -> Footprint:
     return Footprint(
         round(2.0 * max(abs(x) for x, _ in corners), 4),
         round(2.0 * max(abs(y) for _, y in corners), 4),
-        round(max(math.hypot(x, y) for x, y in corners), 4),
+        rounded_up(max(math.hypot(x, y) for x, y in corners)),
     )
 
 

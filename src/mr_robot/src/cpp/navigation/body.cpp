@@ -9,7 +9,6 @@ Body::Body(const Pose& place, double reach, double cell, const std::vector<Obsta
     : footprint_(footprint),
       all_(obstacles),
       cell_(cell),
-      circle_(std::hypot(footprint.half_length, footprint.half_width)),
       left_(place.x - reach),
       bottom_(place.y - reach),
       side_(static_cast<int>(std::ceil(2.0 * reach / cell)) + 1),
@@ -19,7 +18,7 @@ double Body::clearance(const Pose& pose) {
   const mr_grid::Frame body(pose);
   double least = kMost;
   for (const Obstacle& point : near(pose)) {
-    least = std::min(least, distance(body.seen({point.x, point.y})) - point.margin);
+    least = std::min(least, footprint_.distance(body.seen({point.x, point.y})) - point.margin);
   }
   return least;
 }
@@ -37,21 +36,15 @@ double Body::clearance(const Pose& from, const Pose& middle, const Pose& to) {
   return least;
 }
 
-// m, negative inside the body.
-double Body::distance(const Point& place) const {
-  const double ahead = std::abs(place.x) - footprint_.half_length;
-  const double beside = std::abs(place.y) - footprint_.half_width;
-  return ahead > 0.0 && beside > 0.0 ? std::hypot(ahead, beside) : std::max(ahead, beside);
-}
-
 // Of the points between two in the body's frame the distance of the closest one, or any distance of at least `enough`.
-// The distance from a rectangle has one minimum on a line, which is closed in on.
+// The distance from a footprint has one minimum on a line, which is closed in on.
 double Body::least_between(const Point& from, const Point& to, double enough) const {
-  const double at_ends = std::min(distance(from), distance(to));
-  const double length = std::hypot(to.x - from.x, to.y - from.y);
-  if (at_ends - 0.5 * length >= enough) return at_ends;
+  const double at_from = footprint_.distance(from), at_to = footprint_.distance(to);
+  const double at_ends = std::min(at_from, at_to);
+  const double length = distance(from, to);
+  if (0.5 * (at_from + at_to - length) >= enough) return at_ends;
   const auto at = [&](double share) {
-    return distance({from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)});
+    return footprint_.distance({from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)});
   };
   double low = 0.0, high = 1.0;
   while ((high - low) * length > kSlack) {
@@ -67,7 +60,7 @@ double Body::least_between(const Point& from, const Point& to, double enough) co
 
 bool Body::roomy(const Pose& pose) {
   for (const Obstacle& point : near(pose)) {
-    if (std::hypot(point.x - pose.x, point.y - pose.y) - point.margin < circle_ + kTouching) return false;
+    if (std::hypot(point.x - pose.x, point.y - pose.y) - point.margin < footprint_.radius + kTouching) return false;
   }
   return true;
 }
@@ -80,7 +73,7 @@ const std::vector<Obstacle>& Body::near(const Pose& pose) {
     cell.known = true;
     const double x = left_ + (column + 0.5) * cell_, y = bottom_ + (row + 0.5) * cell_;
     for (const Obstacle& point : all_) {
-      const double dx = point.x - x, dy = point.y - y, reach = circle_ + kMost + cell_ + point.margin;
+      const double dx = point.x - x, dy = point.y - y, reach = footprint_.radius + kMost + cell_ + point.margin;
       if (dx * dx + dy * dy < reach * reach) cell.obstacles.push_back(point);
     }
   }

@@ -1,4 +1,4 @@
-// Distances of a rectangular body from obstacle points, looked up in cells around a place.
+// Distances of a body from obstacle points, looked up in cells around a place.
 #pragma once
 
 #include <vector>
@@ -33,12 +33,11 @@ class Body {
   };
 
   const std::vector<Obstacle>& near(const Pose& pose);
-  double distance(const Point& place) const;
   double least_between(const Point& from, const Point& to, double enough) const;
 
   Footprint footprint_;
   std::vector<Obstacle> all_;
-  double cell_, circle_, left_, bottom_;
+  double cell_, left_, bottom_;
   int side_;
   std::vector<Cell> cells_;
 };

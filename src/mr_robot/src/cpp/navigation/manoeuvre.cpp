@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <queue>
-#include <unordered_map>
+#include <unordered_set>
 
 #include "body.hpp"
 
@@ -51,7 +51,7 @@ class Search {
         footprint_(footprint),
         agility_(agility),
         slack_(slack),
-        reach_(std::max(kStep, known - std::hypot(footprint.half_length, footprint.half_width) - kStep)),
+        reach_(std::max(kStep, known - footprint.radius - kStep)),
         body_(start, reach_ + kCell, kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = least_clearance(at_start_, slack);
@@ -67,7 +67,7 @@ class Search {
       open_.pop();
       if (next.total >= best_total_) break;
       const Node node = nodes_[next.node];
-      if (!visited_.emplace(key(node.pose, node.direction), true).second) continue;
+      if (!visited_.insert(key(node.pose, node.direction)).second) continue;
       consider(next.node);
       expand(next.node);
     }
@@ -130,12 +130,13 @@ class Search {
     for (double way = 0.0; way < reach_ && last >= 0; way += kStep) last = move(last, direction, curvature * kStep);
   }
 
-  // Adds the node that a motion leads to; its number, or -1 if something is in the way.
+  // Adds the node that a motion leads to; its number, or -1 if something is in the way or a better way leads there.
   std::int32_t move(std::int32_t from, double direction, double turn) {
     const Node& node = nodes_[from];
     const double way = direction * kStep;
     const Pose end = along(node.pose, way, turn);
     if (std::hypot(end.x - start_.x, end.y - start_.y) > reach_ + kStep) return -1;
+    if (visited_.count(key(end, direction)) > 0) return -1;
     const double room = body_.clearance(end);
     if (room < least_ || body_.clearance(node.pose, along(node.pose, 0.5 * way, 0.5 * turn), end) < least_) return -1;
     double seconds = std::abs(way) / agility_.linear;
@@ -157,8 +158,7 @@ class Search {
   bool backs_into_unknown(const Pose& pose) const {
     const mr_grid::Frame body(pose);
     for (const double side : {-1.0, 0.0, 1.0}) {
-      const Point place = body * Point{-footprint_.half_length, side * footprint_.half_width};
-      if (!is_known(map_, place)) return true;
+      if (!is_known(map_, body * footprint_.rear(side))) return true;
     }
     return false;
   }
@@ -193,7 +193,7 @@ class Search {
   bool starts_roomy_ = false;
   std::vector<Node> nodes_;
   std::priority_queue<Open> open_;
-  std::unordered_map<std::uint64_t, bool> visited_;
+  std::unordered_set<std::uint64_t> visited_;
   std::int32_t best_ = -1, roomiest_ = -1;
   double best_total_ = std::numeric_limits<double>::infinity();
 };
@@ -207,7 +207,7 @@ std::vector<Waypoint> manoeuvre(const Field& field, const Map& map, const Pose& 
 }
 
 bool has_room_to_turn(const Pose& pose, const std::vector<Obstacle>& obstacles, const Footprint& footprint) {
-  const double reach = std::hypot(footprint.half_length, footprint.half_width) + kTouching;
+  const double reach = footprint.radius + kTouching;
   return std::none_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
     const double dx = obstacle.x - pose.x, dy = obstacle.y - pose.y, near = reach + obstacle.margin;
     return dx * dx + dy * dy < near * near;

@@ -172,12 +172,8 @@ Clearance clearance(const Pose& pose, double speed, const std::vector<Obstacle>&
   Clearance least{kUnreached, kUnreached};
   for (const Obstacle& obstacle : obstacles) {
     const Point place = body.seen({obstacle.x, obstacle.y});
-    const double ahead = std::abs(place.x) - footprint.half_length;
-    const double beside = std::abs(place.y) - footprint.half_width;
     const double margin = obstacle.margin + obstacle.reaction_time * speed;
-    const double inside = std::max(ahead, beside);
-    if (inside - margin >= least.with_margins && inside >= least.bare) continue;
-    const double distance = ahead > 0.0 && beside > 0.0 ? mr_grid::length_of(ahead, beside) : inside;
+    const double distance = footprint.distance(place, std::max(least.bare, least.with_margins + margin));
     least.bare = std::min(least.bare, distance);
     least.with_margins = std::min(least.with_margins, distance - margin);
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "footprint.hpp"
 #include "march.hpp"
 #include "points.hpp"
 
@@ -33,10 +34,6 @@ struct Limits {
   double linear, angular;                            // m/s, rad/s
   double linear_acceleration, angular_acceleration;  // m/s^2, rad/s^2
   double curvature = kUnreached;                     // 1/m of a way ahead; a robot that stands may turn
-};
-
-struct Footprint {
-  double half_length, half_width;  // m
 };
 
 struct Horizon {

@@ -61,7 +61,7 @@ void continue_edge(const ScanView& scan, bool first, double surface, const Footp
   for (int i = 1; i <= std::lround(2.0 * footprint.half_length / kTouching); ++i) {
     const Point point{from.x + i * kTouching * x, from.y + i * kTouching * y};
     // The few hits that tell its direction did not tell it well.
-    if (std::abs(point.x) < footprint.half_length && std::abs(point.y) < footprint.half_width) return;
+    if (footprint.distance(point) < 0.0) return;
     beyond.push_back({point, edge});
   }
   result.insert(result.end(), beyond.begin(), beyond.end());

@@ -79,7 +79,7 @@ std::vector<Obstacle> surroundings(const ScanView& scan, const Pose& pose, const
   const std::size_t most = scan.point_count + remembered.size() + blind.walls().size() + beyond.size();
   // A robot that turns may touch what is this close, and the nearest point of a square to its middle is not the nearest
   // to a corner.
-  const double close = std::hypot(footprint.half_length, footprint.half_width) + margins.moving + 2.0 * kTouching;
+  const double close = footprint.radius + margins.moving + 2.0 * kTouching;
   Nearest nearest(pose, close, most);
   const Placement place(pose);
   for (const Point& point : smoothed(scan, reach)) {
@@ -117,9 +117,7 @@ std::vector<Obstacle> outside(const std::vector<Obstacle>& obstacles, const Pose
   std::vector<Obstacle> result;
   result.reserve(obstacles.size());
   std::copy_if(obstacles.begin(), obstacles.end(), std::back_inserter(result), [&](const Obstacle& obstacle) {
-    const Point place = body.seen({obstacle.x, obstacle.y});
-    return std::abs(place.x) - footprint.half_length > -kTouching ||
-           std::abs(place.y) - footprint.half_width > -kTouching;
+    return footprint.distance(body.seen({obstacle.x, obstacle.y})) > -kTouching;
   });
   return result;
 }

@@ -23,7 +23,7 @@ class Motion:
 
     def __init__(self, options: NavigationOptions) -> None:
         self.velocity = STOP
-        self.footprint = _navigation.Footprint(options.footprint_length / 2.0, options.footprint_width / 2.0)
+        self.footprint = options.footprint
         self._options = options
         self.limits = _navigation.Limits(
             options.max_linear_velocity,

@@ -36,6 +36,7 @@ class NavigationOptions:
     footprint_width: float
     largest_robot_radius: float  # m, from the centre of the largest robot of the team to its farthest corner
     inflation_radius: float  # m from walls within which paths cost more
+    footprint_radius: float = 0.0  # m from its middle to its farthest point, half the length of a disc; 0 = a box
     obstacle_margin: float = 0.05  # m between footprint and what the laser sees
     moving_margin: float = 0.1  # m between footprint and what the map does not know, which may move
     moving_reaction_time: float = 0.25  # s of driving by which that margin grows
@@ -55,8 +56,15 @@ class NavigationOptions:
             value = getattr(self, field.name)
             if field.type is bool or field.type == "bool":
                 continue
+            if field.name == "footprint_radius" and value == 0:
+                continue
             if not (np.isfinite(value) and value > 0):
                 raise NavigationError(f"parameter {field.name} must be a positive number, not {value!r}")
+        least = max(self.footprint_length, self.footprint_width) / 2.0
+        if 0 < self.footprint_radius < least:
+            raise NavigationError(
+                f"parameter footprint_radius must be at least half the longer side, {least:g} m, or 0 for a box"
+            )
         if self.inflation_radius <= self.inscribed_radius:
             raise NavigationError(
                 f"parameter inflation_radius must exceed half the robot's width and margin, {self.inscribed_radius:g} m"
@@ -73,8 +81,13 @@ class NavigationOptions:
         return self.half_width + self.obstacle_margin
 
     @property
+    def footprint(self) -> _navigation.Footprint:
+        return _navigation.Footprint(self.footprint_length / 2.0, self.footprint_width / 2.0, self.footprint_radius)
+
+    @property
     def circumscribed_radius(self) -> float:
-        return float(np.hypot(self.footprint_length, self.footprint_width)) / 2.0
+        """Nearest a wall can be for the robot to turn beside it, m."""
+        return self.footprint.radius
 
     @property
     def passing_distance(self) -> float:

@@ -39,7 +39,7 @@ class OtherRobots:
         self._fastest = options.max_linear_velocity
         # s, when a robot is where it will be if it drives on: as long as motions look ahead
         self._soon = [share * options.horizon for share in (0.25, 0.5, 0.75, 1.0)]
-        self._half_size = (0.5 * options.footprint_length, 0.5 * options.footprint_width)
+        self._footprint = options.footprint
         self._radius, self._wall_margin = options.largest_robot_radius, options.obstacle_margin
         self._rim = round(options.largest_robot_radius - _navigation.TOUCHING, 3) * CIRCLE
         # m, from where on a robot will be nowhere near soon, with room for rounding.
@@ -97,8 +97,7 @@ class OtherRobots:
 
     def _is_here(self, place: Point, pose: Pose) -> bool:
         """Two bodies cannot be in one place: this is the robot itself under another name, or a wrong position."""
-        x, y = pose.inverse().apply_point(*place)
-        return abs(x) < self._half_size[0] and abs(y) < self._half_size[1]
+        return self._footprint.distance(*pose.inverse().apply_point(*place)) < 0.0
 
     def settle(self, obstacles: np.ndarray, now: float) -> np.ndarray:
         """Rows (x, y, margin, reaction time) in which robots at rest have the margin of walls, so that others find

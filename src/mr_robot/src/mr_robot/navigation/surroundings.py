@@ -29,7 +29,7 @@ class Surroundings:
         self._options = options
         self._memory = ObstacleMemory(options.obstacle_memory)
         self._hits = np.empty((0, 2))  # of the latest scan, robot's frame
-        self._footprint = _navigation.Footprint(options.footprint_length / 2.0, options.footprint_width / 2.0)
+        self._footprint = options.footprint
         self._near = options.reach
 
     def see(self, scan: Scan, pose: Pose, costs: CostMap, now: float) -> None:

@@ -52,6 +52,8 @@ def navigation_parameters(platform: Platform, team: Sequence[Platform]) -> Param
         "largest_robot_radius": largest_radius(team),
         "inflation_radius": _length(footprint.half_width + 0.41),
     }
+    if not footprint.is_box:
+        parameters["footprint_radius"] = footprint.radius
     if platform.sensor.field_of_view < NARROW_VIEW:
         parameters["yaw_goal_tolerance"] = YAW_TOLERANCE
     return parameters

@@ -8,6 +8,11 @@ class PlatformError(ValueError):
     """A description that cannot be used; the text names the culprit and what is expected."""
 
 
+def rounded_up(length: float) -> float:
+    """To 0.1 mm, so that nothing sticks out."""
+    return math.ceil(1.0e4 * length - 1.0e-6) / 1.0e4
+
+
 @dataclass(frozen=True)
 class Footprint:
     """length, width: m, of the smallest box around the middle of the wheel axis that holds the robot. radius: m from
@@ -19,11 +24,16 @@ class Footprint:
 
     @classmethod
     def box(cls, length: float, width: float) -> "Footprint":
-        return cls(length, width, round(math.hypot(length, width) / 2.0, 4))
+        return cls(length, width, rounded_up(math.hypot(length, width) / 2.0))
 
     @classmethod
     def disc(cls, diameter: float) -> "Footprint":
-        return cls(diameter, diameter, round(diameter / 2.0, 4))
+        return cls(diameter, diameter, rounded_up(diameter / 2.0))
+
+    @property
+    def is_box(self) -> bool:
+        """Whether it reaches into the corners of its box."""
+        return self.radius >= Footprint.box(self.length, self.width).radius
 
     @property
     def half_width(self) -> float:

@@ -126,7 +126,7 @@ def text_of(platform: Platform) -> str:
     footprint = platform.footprint
     if footprint == Footprint.disc(footprint.length):
         sections["footprint"] = {"diameter": footprint.length}
-    elif footprint == Footprint.box(footprint.length, footprint.width):
+    elif footprint.is_box:
         del sections["footprint"]["radius"]
     return yaml.safe_dump(sections, sort_keys=False)
 

@@ -1,10 +1,13 @@
 """Parameters of nodes of other packages that may stand in for ours: SLAM of three of them, `move_base` of ROS and of
 Move Base Flex."""
 
+import math
 from typing import Callable, Dict, List, Sequence
 
 from mr_robot.platforms.parameters import Parameters, navigation_parameters
 from mr_robot.platforms.platform import Platform
+
+ROUND_CORNERS = 16  # of the polygon that stands for a round footprint
 
 
 def gmapping_parameters(platform: Platform) -> Parameters:
@@ -76,5 +79,10 @@ def _costmap(platform: Platform, inflation: float) -> Parameters:
 
 
 def _corners(platform: Platform) -> List[List[float]]:
-    x, y = platform.footprint.length / 2.0, platform.footprint.width / 2.0
-    return [[-x, -y], [-x, y], [x, y], [x, -y]]
+    x, y, radius = platform.footprint.length / 2.0, platform.footprint.width / 2.0, platform.footprint.radius
+    if platform.footprint.is_box:
+        return [[-x, -y], [-x, y], [x, y], [x, -y]]
+    around = radius / math.cos(math.pi / ROUND_CORNERS)  # a polygon around the circle
+    angles = [2.0 * math.pi * (k + 0.5) / ROUND_CORNERS for k in range(ROUND_CORNERS)]
+    corners = [(around * math.cos(angle), around * math.sin(angle)) for angle in angles]
+    return [[round(min(max(a, -x), x), 4), round(min(max(b, -y), y), 4)] for a, b in corners]
