@@ -6,11 +6,12 @@ import statistics
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
 from mr_sim.bench_world import Row
-from mr_sim.nuisance.runs import SceneRun, run_seed
+from mr_sim.nuisance.runs import MODEL_WORLDS, PIONEER, SceneRun, run_seed
 from mr_sim.nuisance.scenes import KINDS, SceneError
 
 STUCK_BAR, CONTACT_BAR = 1.0, 0.0
@@ -18,8 +19,10 @@ TIME_BAR = 3.0  # times the ideal
 COMMAND_BAR, WORST_BAR = 2.0, 100.0  # ms; a command has to come before the next scan
 
 
-def rows(runs: Sequence[SceneRun]) -> list[Row]:
-    """Of all scenes, and how often robots got stuck in those of each kind."""
+def rows(runs: Sequence[SceneRun], robot: str = PIONEER) -> list[Row]:
+    """Of all scenes, and how often robots got stuck in those of each kind. `robot`: kind of the robots, which rows of
+    others than Pioneers name."""
+    of_robot = "" if robot == PIONEER else f"{robot}: "
     seeds = f"seeds {min(run.seed for run in runs)} to {max(run.seed for run in runs)}"
     goals = [goal for run in runs for goal in run.goals]
     reached = [goal for goal in goals if goal.reached]
@@ -31,11 +34,11 @@ def rows(runs: Sequence[SceneRun]) -> list[Row]:
     worst = 1e3 * max(run.slowest for run in runs)
     touching = [str(run.seed) for run in runs if run.contacts]
     return [
-        _row("stuck per 100 goals", STUCK_BAR, stuck, "", f"{len(goals)} goals, {seeds}: {_by_kind(runs)}"),
-        _row("steps in contact", CONTACT_BAR, contacts, "", f"in the scenes {', '.join(touching) or 'none'}"),
-        _row("time over the ideal", TIME_BAR, ratio, "x", f"of {len(reached)} goals reached"),
-        _row("processor time of a command", COMMAND_BAR, spent, "ms", f"mean of {commands}, with maps"),
-        _row("longest command", WORST_BAR, worst, "ms", "median of the scenes' longest "
+        _row(f"{of_robot}stuck per 100 goals", STUCK_BAR, stuck, "", f"{len(goals)} goals, {seeds}: {_by_kind(runs)}"),
+        _row(f"{of_robot}steps in contact", CONTACT_BAR, contacts, "", f"in the scenes {', '.join(touching) or 'none'}"),
+        _row(f"{of_robot}time over the ideal", TIME_BAR, ratio, "x", f"of {len(reached)} goals reached"),
+        _row(f"{of_robot}processor time of a command", COMMAND_BAR, spent, "ms", f"mean of {commands}, with maps"),
+        _row(f"{of_robot}longest command", WORST_BAR, worst, "ms", "median of the scenes' longest "
              f"{1e3 * statistics.median(run.slowest for run in runs):.1f} ms"),
     ]  # fmt: skip
 
@@ -66,13 +69,14 @@ def write_rows(table: Sequence[Row], path: Path) -> None:
     path.write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
 
 
-def run_all(seeds: Sequence[int], jobs: int) -> Iterator[SceneRun]:
+def run_all(seeds: Sequence[int], jobs: int, robot: str = PIONEER) -> Iterator[SceneRun]:
     """In the order of the seeds."""
+    run = partial(run_seed, kind=robot)
     if jobs == 1:
-        yield from map(run_seed, seeds)
+        yield from map(run, seeds)
         return
     with get_context("fork").Pool(jobs) as pool:
-        yield from pool.imap(run_seed, seeds)
+        yield from pool.imap(run, seeds)
 
 
 def _report(run: SceneRun) -> None:
@@ -91,6 +95,9 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="bench_navigation", description="Navigation where it is hard.")
     parser.add_argument("--seeds", type=int, default=200, metavar="N", help="number of scenes (default: %(default)s)")
     parser.add_argument("--first", type=int, default=1, metavar="SEED", help="the first seed (default: %(default)s)")
+    parser.add_argument(
+        "--robot", choices=sorted(MODEL_WORLDS), default=PIONEER, help="kind of the robots (default: %(default)s)"
+    )
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
     parser.add_argument("--out", help="JSON file to write the rows to")
     arguments = parser.parse_args(argv)
@@ -98,13 +105,13 @@ def main(argv: list[str] | None = None) -> int:
         parser.error("--seeds and --jobs must be at least 1, --first at least 0")
     runs = []
     try:
-        for run in run_all(range(arguments.first, arguments.first + arguments.seeds), arguments.jobs):
+        for run in run_all(range(arguments.first, arguments.first + arguments.seeds), arguments.jobs, arguments.robot):
             _report(run)
             runs.append(run)
     except SceneError as error:
         print(f"bench_navigation: {error}", file=sys.stderr)
         return 1
-    table = rows(runs)
+    table = rows(runs, arguments.robot)
     for row in table:
         tell(row)
     if arguments.out:

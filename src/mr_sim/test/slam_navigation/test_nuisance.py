@@ -13,13 +13,13 @@ from mr_sim.bench_navigation import rows
 from mr_sim.nuisance import reach as reach_module
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import Reach
-from mr_sim.nuisance.runs import MODEL_WORLD, GoalRun, SceneRun, run_seed
+from mr_sim.nuisance.runs import MODEL_WORLDS, PIONEER, GoalRun, SceneRun, run_seed
 from mr_sim.nuisance.scenes import KINDS, STANDING_ROOM, draw
 from mr_sim.world_description import Obstacle, WorldDescription
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
-ROBOT = load_world(find_world(MODEL_WORLD)).robots[0]
+ROBOT = load_world(find_world(MODEL_WORLDS[PIONEER])).robots[0]
 
 
 def world_of(*boxes: tuple) -> WorldDescription:

@@ -12,7 +12,9 @@ from mr_sim.worlds import find_world
 
 SETTLED = 2.5  # s until there is a map
 PATIENCE, SLOWEST = 20.0, 0.1  # s and m/s: a goal not reached within PATIENCE + way / SLOWEST counts as stuck
-MODEL_WORLD = "office26x15"  # whose first robot all scenes are about
+PIONEER = "pioneer"
+MODEL_WORLDS = {PIONEER: "office26x15", "turtlebot": "office26x15_turtlebots"}
+"""Kinds of robots, with a world whose first robot is one."""
 
 
 @dataclass(frozen=True)
@@ -88,9 +90,9 @@ class _Errands:
         self._robot.navigator.set_goal(self._robot.local(Pose(*goal)), self._loop.world.time)
 
 
-def run_seed(seed: int) -> SceneRun:
-    """Draws the scene of a seed and runs it."""
-    return run(draw(seed, load_world(find_world(MODEL_WORLD)).robots[0]))
+def run_seed(seed: int, kind: str = PIONEER) -> SceneRun:
+    """Draws the scene of a seed and runs it. `kind`: of all its robots, one of `MODEL_WORLDS`."""
+    return run(draw(seed, load_world(find_world(MODEL_WORLDS[kind])).robots[0]))
 
 
 def run(scene: Scene) -> SceneRun:
