@@ -139,8 +139,8 @@ class Reader:
         return x, y
 
     def visible(self) -> bool:
-        """Whether lasers see the model: Stage 4 hides at negative `ranger_return`, Stage 3 at `laser_return` 0."""
-        return self.number("ranger_return", 1.0) >= 0.0 and self.flag("laser_return", True)
+        """Whether lasers see the model."""
+        return self.number("ranger_return", 1.0) >= 0.0
 
     def interval(self, word: str, default: float) -> float:
         """s; the file and the default have ms."""

@@ -12,7 +12,6 @@ WORLD_WORDS = frozenset(
 MODEL_WORDS = frozenset(
     {
         "name", "pose", "size", "origin", "bitmap", "boundary", "noblocks", "obstacle_return", "ranger_return",
-        "laser_return",
     }
 )  # fmt: skip
 POSITION_WORDS = MODEL_WORDS | {
@@ -57,7 +56,7 @@ OLDER_WORDS = frozenset(
     {
         "background", "block", "blocks", "channel_count", "channels", "db_count", "enable_velocity", "event_queues",
         "gravity_return", "gui_disable", "gui_interval",
-        "gui_movemask", "interval_real", "laser_sample_skip", "line", "lines", "odom", "origin3", "pose3", "ppm",
+        "gui_movemask", "interval_real", "laser_return", "laser_sample_skip", "line", "lines", "odom", "origin3", "pose3", "ppm",
         "size3", "spose3", "sraycount", "ssize", "velocity_enable", "view", "wheel",
     }
 )  # fmt: skip
