@@ -1,5 +1,7 @@
 """Names of generated worlds and the files they stand for."""
 
+import re
+
 import cv2
 import numpy as np
 import pytest
@@ -14,6 +16,12 @@ from mr_plans import WorldName, is_generated, parse_name, world_files, world_pla
         ("generated:hall:3:37.5x22", WorldName("hall", 3, (37.5, 22.0)), "generated-hall-3-37.5x22"),
         ("generated:cave:0:anywhere", WorldName("cave", 0, (26, 18), True), "generated-cave-0-26x18-anywhere"),
         ("generated:loop:1:20x18:anywhere", WorldName("loop", 1, (20, 18), True), "generated-loop-1-20x18-anywhere"),
+        ("generated:office:7:mixed", WorldName("office", 7, (26, 15), False, "mixed"), "generated-office-7-26x15-mixed"),
+        (
+            "generated:cave:0:20x18:anywhere:turtlebots",
+            WorldName("cave", 0, (20, 18), True, "turtlebots"),
+            "generated-cave-0-20x18-anywhere-turtlebots",
+        ),
     ],
 )
 def test_names_are_read(name, meant, stem):
@@ -24,7 +32,8 @@ def test_names_are_read(name, meant, stem):
     "name",
     ["generated:", "generated:office", "generated:office:x", "generated:office:-1", "generated:office:1:30",
      "generated:office:1:3..0x20", "generated:office:1:5x20", "generated:castle:1", "generated:castle:1:30x20",
-     "generated:office:1:nowhere", "generated:office:1:30x20:"],
+     "generated:office:1:nowhere", "generated:office:1:30x20:", "generated:office:1:turtles",
+     "generated:office:1:mixed:anywhere"],
 )  # fmt: skip
 def test_bad_names_are_refused(name):
     assert is_generated(name)
@@ -42,3 +51,13 @@ def test_files_hold_the_plan_and_sixteen_robots():
     assert np.array_equal(np.flipud(picture) < 128, world_plan("rooms", 4, (20.0, 15.0)).walls)
     assert files.text.count("pioneer (") == 16 and f'bitmap "{files.stem}.png"' in files.text
     assert files == world_files(parse_name("generated:rooms:4:20x15"), 0.29)
+
+
+@pytest.mark.parametrize(("robots", "pioneers", "turtlebots"), [("turtlebots", 0, 16), ("mixed", 8, 8)])
+def test_other_robots_start_at_the_same_places(robots, pioneers, turtlebots):
+    usual = world_files(parse_name("generated:rooms:4:20x15"), 0.29)
+    files = world_files(parse_name(f"generated:rooms:4:20x15:{robots}"), 0.29)
+    assert (files.text.count("pioneer ("), files.text.count("turtlebot (")) == (pioneers, turtlebots)
+    assert all(f'include "{model}.inc"' in files.text for model in files.models)
+    assert files.text.index('include "pioneer.inc"') < files.text.index("floorplan")  # which that defines
+    assert re.findall(r"pose .*", files.text) == re.findall(r"pose .*", usual.text)

@@ -1,4 +1,4 @@
-"""Names of generated worlds: `generated:KIND:SEED[:LENGTHxDEPTH][:anywhere]`."""
+"""Names of generated worlds: `generated:KIND:SEED[:LENGTHxDEPTH][:anywhere][:turtlebots|:mixed]`."""
 
 import re
 from dataclasses import dataclass
@@ -7,26 +7,34 @@ from typing import Tuple
 from .worlds import WORLD_KINDS, check_world
 
 PREFIX = "generated:"
-FORM = "generated:KIND:SEED[:LENGTHxDEPTH][:anywhere]"
+FORM = "generated:KIND:SEED[:LENGTHxDEPTH][:anywhere][:turtlebots|:mixed]"
+PIONEERS = "pioneers"
+ROBOTS = {PIONEERS: ("pioneer",), "turtlebots": ("turtlebot",), "mixed": ("pioneer", "turtlebot")}
+"""Models, by turns, of a world's robots."""
 _PATTERN = re.compile(
     r"generated:(?P<kind>[^:]*):(?P<seed>\d{1,18})(:(?P<size>[\d.]+x[\d.]+))?(?P<anywhere>:anywhere)?"
+    r"(:(?P<robots>turtlebots|mixed))?"
 )
 
 
 @dataclass(frozen=True)
 class WorldName:
-    """`size`: length and depth in m. `anywhere`: the robots start all over the world, not side by side."""
+    """`size`: length and depth in m. `anywhere`: the robots start all over the world, not side by side.
+    `robots`: one of `ROBOTS`."""
 
     kind: str
     seed: int
     size: Tuple[float, float]
     anywhere: bool = False
+    robots: str = PIONEERS
 
     @property
     def stem(self) -> str:
         """Names the world's files; tells apart whatever differs."""
         length, depth = self.size
-        return f"generated-{self.kind}-{self.seed}-{length:g}x{depth:g}" + ("-anywhere" if self.anywhere else "")
+        plan = f"generated-{self.kind}-{self.seed}-{length:g}x{depth:g}"
+        robots = "" if self.robots == PIONEERS else f"-{self.robots}"
+        return plan + ("-anywhere" if self.anywhere else "") + robots
 
 
 def is_generated(name: str) -> bool:
@@ -47,4 +55,4 @@ def parse_name(name: str) -> WorldName:
     except ValueError:
         raise ValueError(f"{name!r} has a size that is no LENGTHxDEPTH in m: {text!r}") from None
     check_world(kind, seed, (size[0], size[1]))
-    return WorldName(kind, seed, (size[0], size[1]), found["anywhere"] is not None)
+    return WorldName(kind, seed, (size[0], size[1]), found["anywhere"] is not None, found["robots"] or PIONEERS)

@@ -23,7 +23,8 @@ from mr_sim.world_words import nearest
 
 GENERATED = Path("out/worlds")
 """Where generated worlds are written unless another folder is given."""
-ROBOT = "pioneer.inc"
+LARGEST = "pioneer"
+"""Of the models of generated worlds, the one that needs most room."""
 
 
 class WorldNotFoundError(ValueError):
@@ -120,7 +121,8 @@ def _generated(name: str, folder: Path) -> Path:
 def _write(files: WorldFiles, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     world = folder / f"{files.stem}.world"
-    _keep(folder / ROBOT, _robot())
+    for model in files.models:
+        _keep(folder / f"{model}.inc", _model(model))
     if _keep(world.with_suffix(".png"), files.picture):
         reference_path(world).unlink(missing_ok=True)  # of another plan
     _keep(world, files.text.encode())
@@ -134,19 +136,19 @@ def _drawn(name: str) -> WorldFiles:
 
 @lru_cache(maxsize=1)
 def generated_radius() -> float:
-    """m, of the robots of generated worlds, as their model says."""
+    """m, of the largest robot of generated worlds, as its model says."""
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / ROBOT).write_bytes(_robot())
+        (Path(folder) / f"{LARGEST}.inc").write_bytes(_model(LARGEST))
         world = Path(folder) / "robot.world"
-        world.write_text(f'include "{ROBOT}"\n{Path(ROBOT).stem} ( )\n')
+        world.write_text(f'include "{LARGEST}.inc"\n{LARGEST} ( )\n')
         return largest_radius([platform_of(robot) for robot in load_world(world).robots])
 
 
-def _robot() -> bytes:
+def _model(name: str) -> bytes:
     for folder in world_folders():
-        if (folder / ROBOT).is_file():
-            return (folder / ROBOT).read_bytes()
-    raise WorldNotFoundError(f"{ROBOT}, which describes the robots of generated worlds, is not among the worlds")
+        if (folder / f"{name}.inc").is_file():
+            return (folder / f"{name}.inc").read_bytes()
+    raise WorldNotFoundError(f"{name}.inc, which describes robots of generated worlds, is not among the worlds")
 
 
 def _keep(path: Path, content: bytes) -> bool:

@@ -26,6 +26,15 @@ def test_sixteen_robots_stand_free_in_every_kind(kind, tmp_path):
     assert all(edge.all() for edge in (world.visible.cells[0], world.visible.cells[:, -1]))
 
 
+@pytest.mark.parametrize(("robots", "views"), [("turtlebots", [57, 57, 57]), ("mixed", [270, 57, 270])])
+def test_other_robots_stand_in_the_same_plan(robots, views, tmp_path):
+    world = load_world(find_world(f"generated:rooms:3:18x12:{robots}", tmp_path))
+    usual = load_world(find_world("generated:rooms:3:18x12", tmp_path))
+    assert [round(np.degrees(robot.rangers[0].field_of_view)) for robot in world.robots[:3]] == views
+    assert [robot.start for robot in world.robots] == [robot.start for robot in usual.robots]
+    World(world, 16)
+
+
 @pytest.mark.parametrize("kind", ["rooms", "narrow", "cave"])
 def test_the_measures_find_all_of_it_reachable_from_any_start(kind, tmp_path):
     description = load_world(find_world(f"generated:{kind}:5:18x12", tmp_path))
