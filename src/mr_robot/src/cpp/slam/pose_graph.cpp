@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kFactorDeviations[2] = {0.03, 0.05};  // of odometry's factors before anything is known of them
 constexpr double kOutlier = 3.0;                       // standard deviations from which scans lose their weight
-constexpr double kWalls = 0.005;                       // rad, deviation of the direction that walls say
+constexpr double kWalls = 0.005;                       // rad, deviation of the direction that walls say, and
+constexpr double kOtherWalls = 1.0;                    // how many of them off they may as well be of something askew
 constexpr double kAskew = 0.2;                         // rad from which walls belong to no square building, and
 constexpr double kAligned = 0.1;                       // rad within which most must be for there to be one
 constexpr double kSquare = 0.7;                        // of the walls that must agree, 1: all
@@ -139,10 +140,11 @@ class PoseGraph::Solution {
   void take_to(PoseGraph* graph) const;
 
  private:
+  // `outlier`: standard deviations from which the cost loses its weight, 0: it never does.
   template <int Residuals, int... Sizes, class Cost, class... Parts>
-  void add(Cost* cost, bool doubted, Parts*... parts) {
+  void add(Cost* cost, double outlier, Parts*... parts) {
     problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Cost, Residuals, Sizes...>(cost),
-                              doubted ? new ceres::CauchyLoss(kOutlier) : nullptr, parts...);
+                              outlier > 0.0 ? new ceres::CauchyLoss(outlier) : nullptr, parts...);
   }
 
   std::vector<std::array<double, 3>> poses_;
@@ -157,11 +159,12 @@ PoseGraph::Solution::Solution(const PoseGraph& graph)
     : factors_{graph.factors_[0], graph.factors_[1]}, landmarks_(graph.landmarks_) {
   for (const Pose& pose : graph.poses_) poses_.push_back({pose.x, pose.y, pose.yaw});
   for (const OdometryLink& link : graph.odometry_) {
-    add<3, 3, 3, 2>(new OdometryCost{link.motion, link.deviation}, true, poses_[link.next - 1].data(),
+    add<3, 3, 3, 2>(new OdometryCost{link.motion, link.deviation}, kOutlier, poses_[link.next - 1].data(),
                     poses_[link.next].data(), factors_.data());
   }
   for (const Link& link : graph.links_) {
-    add<3, 3, 3>(new ScanCost{link.relative, link.root}, link.from + kRecent < link.to, poses_[link.from].data(),
+    add<3, 3, 3>(new ScanCost{link.relative, link.root}, link.from + kRecent < link.to ? kOutlier : 0.0,
+                    poses_[link.from].data(),
                  poses_[link.to].data());
   }
   const std::optional<double> walls = graph.direction_of_walls();
@@ -169,15 +172,15 @@ PoseGraph::Solution::Solution(const PoseGraph& graph)
   for (const Walls& seen : graph.walls_) {
     const double askew = walls ? graph.off(seen, *walls) : INFINITY;
     if (std::abs(askew) > kAskew) continue;
-    add<1, 3, 1>(new WallsCost{askew + *walls - graph.poses_[seen.pose].yaw}, true, poses_[seen.pose].data(),
+    add<1, 3, 1>(new WallsCost{askew + *walls - graph.poses_[seen.pose].yaw}, kOtherWalls, poses_[seen.pose].data(),
                  &direction_);
   }
   for (Landmark& landmark : landmarks_) {
     for (const auto& [pose, edge] : landmark.seen) {
-      add<1, 3, 1>(new EdgeCost{edge, landmark.off}, true, poses_[pose].data(), &landmark.coordinate);
+      add<1, 3, 1>(new EdgeCost{edge, landmark.off}, kOutlier, poses_[pose].data(), &landmark.coordinate);
     }
   }
-  add<2, 2>(new FactorCost, false, factors_.data());
+  add<2, 2>(new FactorCost, 0.0, factors_.data());
   problem_.SetParameterBlockConstant(poses_[0].data());
   options_.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   // SuiteSparse would run OpenMP threads, which hang in a process that was forked after they had started, and a BLAS
