@@ -8,6 +8,7 @@ One packet is one message: a byte that tells its kind, then little-endian fields
 | `C` command | robot | linear f64, lateral f64, angular f64: wanted velocity |
 | `W` welcome | world | version u8, interval f64, start pose 3 f64, number of rangers u8, then per ranger: mount 3 f64, range_min f64, range_max f64, angle_min f64, angle_increment f64, samples u32, update_interval f64 |
 | `S` state | world | time f64, odometry pose 3 f64, wheel velocities (ahead, to the left, turn) 3 f64, true pose 3 f64, true velocity in the world frame 3 f64, stalled u8, contact u8 (0 none, 1 wall, 2 robot): at each base update |
+| `I` intensities | world | ranger u8, f32 per sample: before the ranges of the same sweep, if the world tells them |
 | `R` ranges | world | ranger u8, time f64, then f32 per sample: after the state of the same time |
 | `E` refusal | world | reason (UTF-8); the world closes the connection |
 | `B` bye | world | nothing: the world ends in an orderly way |
@@ -80,6 +81,14 @@ class State:
 
 
 @dataclass(frozen=True)
+class Intensities:
+    """Of the ranges that follow."""
+
+    ranger: int
+    intensities: np.ndarray  # float32 (samples,)
+
+
+@dataclass(frozen=True)
 class Ranges:
     ranger: int
     time: float
@@ -96,7 +105,7 @@ class Bye:
     pass
 
 
-Message = Hello | Command | Welcome | State | Ranges | Refusal | Bye
+Message = Hello | Command | Welcome | State | Intensities | Ranges | Refusal | Bye
 
 
 def encode_hello(name: str) -> bytes:
@@ -119,6 +128,10 @@ def encode_welcome(welcome: Welcome) -> bytes:
 def encode_state(time: float, record: np.void) -> bytes:
     """`record`: one element of `World.states()`."""
     return _STATE.pack(b"S", time, *record.item())
+
+
+def encode_intensities(ranger: int, intensities: np.ndarray) -> bytes:
+    return bytes([ord("I"), ranger]) + intensities.tobytes()
 
 
 def encode_ranges(ranger: int, time: float, ranges: np.ndarray) -> bytes:
@@ -177,6 +190,12 @@ def _decode_state(packet: bytes) -> State:
     return State(time, (ox, oy, oyaw), (linear, lateral, angular), (x, y, yaw), (vx, vy, vyaw), bool(stalled), contact)
 
 
+def _decode_intensities(packet: bytes) -> Intensities:
+    if len(packet) < 2 or len(packet) % 4 != 2:
+        raise ProtocolError("intensities of broken length")
+    return Intensities(packet[1], np.frombuffer(packet, dtype="<f4", offset=2))
+
+
 def _decode_ranges(packet: bytes) -> Ranges:
     _, ranger, time = _RANGES.unpack_from(packet)
     if (len(packet) - _RANGES.size) % 4:
@@ -189,6 +208,7 @@ _DECODERS: dict[bytes, Callable[[bytes], Message]] = {
     b"C": _decode_command,
     b"W": _decode_welcome,
     b"S": _decode_state,
+    b"I": _decode_intensities,
     b"R": _decode_ranges,
     b"E": lambda packet: Refusal(packet[1:].decode()),
     b"B": lambda packet: Bye(),

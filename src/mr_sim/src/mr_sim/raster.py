@@ -56,6 +56,20 @@ class _Canvas:
             y = self.origin[1] + (np.arange(row_slice.start, row_slice.stop) + 0.5) * self.resolution
             yield np.stack(np.meshgrid(x, y), axis=-1), row_slice, column_slice
 
+    def draw(self, obstacle: Obstacle) -> None:
+        """Raises WorldFileError for a bitmap without use."""
+        if obstacle.bitmap is not None:
+            self.draw_bitmap(obstacle, obstacle.bitmap)
+        for polygon in obstacle.polygons:
+            corners = _place(polygon, obstacle)
+            self.draw_polygon(corners)
+            if _is_thin(corners, self.resolution):
+                self.draw_outline(corners)
+        if obstacle.boundary:
+            half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
+            corners = _place(((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)), obstacle)
+            self.draw_outline(corners)
+
     def draw_bitmap(self, obstacle: Obstacle, bitmap: Path) -> None:
         pixels = load_bitmap(bitmap)
         rows, columns = pixels.shape
@@ -121,15 +135,22 @@ def rasterise(obstacles: Sequence[Obstacle], resolution: float) -> Grid:
     """Raster of the given obstacles at `resolution` metres. Raises WorldFileError for a bitmap without use."""
     canvas = _Canvas(bounds_of(obstacles), resolution)
     for obstacle in obstacles:
-        if obstacle.bitmap is not None:
-            canvas.draw_bitmap(obstacle, obstacle.bitmap)
-        for polygon in obstacle.polygons:
-            corners = _place(polygon, obstacle)
-            canvas.draw_polygon(corners)
-            if _is_thin(corners, resolution):
-                canvas.draw_outline(corners)
-        if obstacle.boundary:
-            half_x, half_y = obstacle.size[0] / 2.0, obstacle.size[1] / 2.0
-            corners = _place(((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)), obstacle)
-            canvas.draw_outline(corners)
+        canvas.draw(obstacle)
     return Grid(canvas.cells, resolution, canvas.origin)
+
+
+def intensities_of(obstacles: Sequence[Obstacle], resolution: float) -> np.ndarray | None:
+    """Of the echoes from the cells of `rasterise`, float32, same shape: the `ranger_return` of what is there, or of one
+    of those that overlap; 0 where nothing is. None if all have 1."""
+    values = dict.fromkeys(obstacle.ranger_return for obstacle in obstacles)
+    if set(values) <= {1.0}:
+        return None
+    bounds = bounds_of(obstacles)
+    intensities = np.zeros(_Canvas(bounds, resolution).cells.shape, dtype=np.float32)
+    for value in values:
+        canvas = _Canvas(bounds, resolution)
+        for obstacle in obstacles:
+            if obstacle.ranger_return == value:
+                canvas.draw(obstacle)
+        intensities[canvas.cells > 0] = value
+    return intensities

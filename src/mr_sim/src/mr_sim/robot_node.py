@@ -54,28 +54,30 @@ def read_parameters() -> dict:
 class RobotNode:
     """Publishes what the world says, sends velocity commands to it."""
 
-    def __init__(self, client: WorldClient, prefix: str, publish_clock: bool, publish_ground_truth: bool) -> None:
+    def __init__(
+        self, client: WorldClient, topics: str, frames: str, publish_clock: bool, publish_ground_truth: bool
+    ) -> None:
+        """`topics`, `frames`: what their names begin with."""
         self._client = client
-        self._prefix = prefix
+        self._prefix = frames
         self._offset = 0.0
         self._next_clock = 0.0 if publish_clock else math.inf
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10) if publish_clock else None
-        self._odometry = rospy.Publisher(prefix + "odom", Odometry, queue_size=10)
+        self._odometry = rospy.Publisher(topics + "odom", Odometry, queue_size=10)
         self._truth = None
         if publish_ground_truth:
-            self._truth = rospy.Publisher(prefix + "base_pose_ground_truth", Odometry, queue_size=10)
+            self._truth = rospy.Publisher(topics + "base_pose_ground_truth", Odometry, queue_size=10)
         rangers = client.welcome.rangers
         self._scans = [
-            rospy.Publisher(prefix + name, LaserScan, queue_size=10)
+            rospy.Publisher(topics + name, LaserScan, queue_size=10)
             for name in ros_io.device_names("base_scan", len(rangers))
         ]
-        frames = [prefix + name for name in ros_io.device_names("base_laser_link", len(rangers))]
-        self._scan_messages = [ros_io.scan_message(*pair) for pair in zip(frames, rangers, strict=True)]
-        self._odometry_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
-        self._truth_message = ros_io.odometry_message(prefix + "odom", prefix + "base_footprint")
+        self._laser_frames = [frames + name for name in ros_io.device_names("base_laser_link", len(rangers))]
+        self._scan_messages = [ros_io.scan_message(*pair) for pair in zip(self._laser_frames, rangers, strict=True)]
+        self._odometry_message = ros_io.odometry_message(frames + "odom", frames + "base_footprint")
+        self._truth_message = ros_io.odometry_message(frames + "odom", frames + "base_footprint")
         self._transforms = tf2_ros.TransformBroadcaster()
-        self._laser_frames = frames
-        self._subscriber = rospy.Subscriber(prefix + "cmd_vel", Twist, self._on_command, queue_size=1, tcp_nodelay=True)
+        self._subscriber = rospy.Subscriber(topics + "cmd_vel", Twist, self._on_command, queue_size=1, tcp_nodelay=True)
         self._offsets = rospy.Subscriber("~clock_offset", Float64, self._on_offset, queue_size=1)
 
     def static_transforms(self) -> list[TransformStamped]:
@@ -111,6 +113,8 @@ class RobotNode:
             message = self._client.receive()
             if isinstance(message, protocol.State):
                 self._publish_state(message)
+            elif isinstance(message, protocol.Intensities):
+                self._scan_messages[message.ranger].intensities = message.intensities
             elif isinstance(message, protocol.Ranges):
                 self._publish_ranges(message)
             elif isinstance(message, protocol.Bye):
@@ -162,7 +166,8 @@ def main() -> int:
     if parameters["publish_clock"]:
         rospy.set_param("/use_sim_time", True)
     rospy.on_shutdown(client.close)
-    node = RobotNode(client, parameters["prefix"], parameters["publish_clock"], parameters["publish_ground_truth"])
+    prefix = parameters["prefix"]
+    node = RobotNode(client, prefix, prefix, parameters["publish_clock"], parameters["publish_ground_truth"])
     static_transforms = tf2_ros.StaticTransformBroadcaster()
     static_transforms.sendTransform(node.static_transforms())
     rospy.loginfo("%s is in the world on %s", parameters["robot_name"], parameters["socket"])

@@ -13,7 +13,7 @@ import numpy as np
 
 from mr_grid import Pose
 from mr_sim import _world
-from mr_sim.raster import Grid, closed_plan, rasterise
+from mr_sim.raster import Grid, closed_plan, intensities_of, rasterise
 from mr_sim.world_description import Obstacle, RobotDescription, WorldDescription
 
 COMMAND_TIMEOUT = 0.5  # s of simulated time without a fresh command after which a robot stops
@@ -31,11 +31,13 @@ class WorldError(ValueError):
 
 @dataclass(frozen=True)
 class Scan:
-    """One sweep: `ranges` float32 (samples,), metres, counter-clockwise from the ranger's `angle_min`."""
+    """One sweep: `ranges` float32 (samples,), metres, counter-clockwise from the ranger's `angle_min`. `intensities`,
+    if the world tells them: as many, the `ranger_return` of what each beam meets, 0 where it meets nothing."""
 
     robot: int
     ranger: int
     ranges: np.ndarray
+    intensities: np.ndarray | None = None
 
 
 def _steps(interval: float, step: float) -> int:
@@ -53,6 +55,7 @@ class World:
             for the others.
         odometry: one of ODOMETRY_MODELS. Under a random walk `odom_error` is the standard deviation, in m and rad, of
             what the odometry has erred after 1 m ahead, 1 m aside and 1 rad of turn; it grows with the square root.
+        intensities: whether scans have them.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class World:
         seed: int = 0,
         command_timeout: float = COMMAND_TIMEOUT,
         odometry: str = BIAS,
+        intensities: bool = False,
     ) -> None:
         if odometry not in ODOMETRY_MODELS:
             raise WorldError(f'odometry must be {" or ".join(ODOMETRY_MODELS)}, not "{odometry}"')
@@ -82,7 +86,12 @@ class World:
         visible = tuple(obstacle for obstacle in description.obstacles if obstacle.visible)
         self.obstacles = _raster_of(solid, description.resolution)
         self.visible = _raster_of(visible, description.resolution)
-        self.core = _world.World(_core_raster(self.obstacles), _core_raster(self.visible), description.interval)
+        self.core = _world.World(
+            _core_raster(self.obstacles),
+            _core_raster(self.visible, intensities_of(visible, description.resolution) if intensities else None),
+            description.interval,
+        )
+        self._intensities = intensities
         # Per robot: shares by which the way ahead, the way to the left and the turn count wrong in the whole run.
         self.odometry_bias: list[tuple[float, float, float]] = []
         for index, robot in enumerate(self.robots):
@@ -108,6 +117,7 @@ class World:
             start=robot.start,
             footprint=robot.footprint,
             seen=robot.seen,
+            intensities=robot.ranger_returns,
             linear_bounds=robot.linear_bounds,
             lateral_bounds=robot.lateral_bounds,
             angular_bounds=robot.angular_bounds,
@@ -176,6 +186,11 @@ class World:
         """
         self.core.command(robot, linear, lateral, angular)
 
+    def reset_positions(self) -> None:
+        """Put all robots back to their start poses. As in Stage their commands go on, and so does odometry, unless it
+        is exact."""
+        self.core.reset_positions()
+
     def step(self) -> None:
         """Advance by one interval."""
         self.core.step()
@@ -194,7 +209,12 @@ class World:
         for robot, intervals in enumerate(self._scan_steps):
             for ranger, interval in enumerate(intervals):
                 if self.steps % interval == 0:
-                    yield Scan(robot, ranger, self.core.scan(robot, ranger))
+                    yield self._scan(robot, ranger)
+
+    def _scan(self, robot: int, ranger: int) -> Scan:
+        if self._intensities:
+            return Scan(robot, ranger, *self.core.scan_with_intensities(robot, ranger))
+        return Scan(robot, ranger, self.core.scan(robot, ranger))
 
     def pose(self, robot: int) -> Pose:
         """True pose in the world frame."""
@@ -215,5 +235,5 @@ def _plan_of(obstacles: tuple[Obstacle, ...]) -> Obstacle | None:
     return closed_plan(obstacles)
 
 
-def _core_raster(grid: Grid) -> _world.Raster:
-    return _world.Raster(grid.cells, grid.resolution, grid.origin)
+def _core_raster(grid: Grid, intensities: np.ndarray | None = None) -> _world.Raster:
+    return _world.Raster(grid.cells, grid.resolution, grid.origin, intensities)

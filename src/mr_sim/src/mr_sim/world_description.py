@@ -43,6 +43,7 @@ class RobotDescription:
     start: Pose  # world frame
     footprint: tuple[Polygon, ...]  # robot's frame
     seen: tuple[Polygon, ...]  # of these, what lasers of others see
+    ranger_returns: tuple[float, ...]  # of these: intensity of the echo
     linear_bounds: tuple[float, float]
     lateral_bounds: tuple[float, float]  # to the left; both 0 but for drive "omni"
     angular_bounds: tuple[float, float]
@@ -70,6 +71,7 @@ class Obstacle:
     boundary: bool
     visible: bool
     solid: bool
+    ranger_return: float = 1.0  # intensity of the echo
 
     def spans(self, x: float, y: float) -> bool:
         """Whether its rectangle holds that place of the world."""

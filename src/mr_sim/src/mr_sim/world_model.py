@@ -41,6 +41,7 @@ class _Part:
 
     polygons: tuple[Polygon, ...]
     visible: bool
+    ranger_return: float
 
 
 class _Builder:
@@ -96,6 +97,7 @@ class _Builder:
                     boundary=boundary,
                     visible=reader.visible(),
                     solid=reader.flag("obstacle_return", True),
+                    ranger_return=reader.ranger_return(),
                 )
             )
         for child in block.children:
@@ -124,19 +126,21 @@ class _Builder:
                 f'a camera is the only sensor of "{name or unnamed}", and it is not simulated: add a ranger',
             )
         parts = self._parts(block, IDENTITY)
-        body = _Part(moved(part_polygons(reader, self._world), reader.origin()), reader.visible())
+        body = _part(reader, moved(part_polygons(reader, self._world), reader.origin()))
         solid = reader.flag("obstacle_return", True)
         if not solid and any(part.polygons for part in parts):
             self._context.passed_over.models.add("body with obstacle_return 0 of a robot that has parts")
-            body, solid = _Part((), False), True
+            body, solid = _part(reader, ()), True
         parts = [body, *parts]
         footprint = tuple(polygon for part in parts for polygon in part.polygons)
+        seen = [(polygon, part.ranger_return) for part in parts if part.visible for polygon in part.polygons]
         self.robots.append(
             RobotDescription(
                 name=name,
                 start=start,
                 footprint=footprint,
-                seen=tuple(polygon for part in parts if part.visible for polygon in part.polygons),
+                seen=tuple(polygon for polygon, _ in seen),
+                ranger_returns=tuple(ranger_return for _, ranger_return in seen),
                 linear_bounds=(bounds[0], bounds[1]),
                 lateral_bounds=(bounds[2], bounds[3]) if drive == "omni" else (0.0, 0.0),
                 angular_bounds=(bounds[6], bounds[7]),
@@ -164,7 +168,7 @@ class _Builder:
                     self._context.passed_over.models.add("part of a robot with obstacle_return 0")
                 else:
                     body = moved(part_polygons(reader, self._world), here.compose(reader.origin()))
-                    parts.append(_Part(body, reader.visible()))
+                    parts.append(_part(reader, body))
                 if any(inner.kind in ("ranger", "laser") for inner in child.children):
                     self._context.passed_over.models.add("ranger that is not mounted on the robot itself")
                 parts.extend(self._parts(child, here))
@@ -207,6 +211,10 @@ def load_world(path: str | Path) -> WorldDescription:
         robots=_named(builder.robots),
         warning=passed_over.text(),
     )
+
+
+def _part(reader: Reader, polygons: tuple[Polygon, ...]) -> _Part:
+    return _Part(polygons, reader.visible(), reader.ranger_return())
 
 
 def _carries(block: Block, kind: str) -> bool:

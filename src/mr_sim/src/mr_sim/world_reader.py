@@ -142,6 +142,10 @@ class Reader:
         """Whether lasers see the model."""
         return self.number("ranger_return", 1.0) >= 0.0
 
+    def ranger_return(self) -> float:
+        """Intensity of the echo of a model that lasers see."""
+        return self.number("ranger_return", 1.0)
+
     def interval(self, word: str, default: float) -> float:
         """s; the file and the default have ms."""
         value = self.number(word, default)

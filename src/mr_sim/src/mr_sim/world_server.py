@@ -82,6 +82,7 @@ class WorldServer:
         self._radio = radio
         self._say = say
         self._stop = False
+        self._reset = False
         self._clients: dict[int, _Client] = {}
         self._of_robot: list[_Client | None] = [None] * len(world.names)
         self._selector = selectors.DefaultSelector()
@@ -100,6 +101,10 @@ class WorldServer:
         self._stop = True
         with contextlib.suppress(OSError):
             self._wake_writer.send(b"x")
+
+    def reset_positions(self) -> None:
+        """Robots stand at their start poses before the next step; may be called from another thread."""
+        self._reset = True
 
     def stop_on_signals(self) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -123,6 +128,9 @@ class WorldServer:
             self._serve(due)
             if self._stop:
                 break
+            if self._reset:
+                self._reset = False
+                self.world.reset_positions()
             self.world.step()
             self.wall = time.monotonic() - start
             self._publish()
@@ -137,6 +145,8 @@ class WorldServer:
                 if self._trace:
                     self._trace.write(now, self.wall, name, states[robot])
         for scan in self.world.due_scans():
+            if scan.intensities is not None:
+                self._send(scan.robot, protocol.encode_intensities(scan.ranger, scan.intensities))
             self._send(scan.robot, protocol.encode_ranges(scan.ranger, now, scan.ranges))
         self._tell_radio()
 

@@ -28,6 +28,8 @@ def test_what_is_encoded_is_decoded(make_world):
     decoded = p.decode(p.encode_ranges(0, world.time, ranges))
     assert decoded.ranger == 0 and decoded.time == 0.05
     assert np.array_equal(decoded.ranges, ranges) and decoded.ranges.dtype == np.float32
+    told = p.decode(p.encode_intensities(3, ranges))
+    assert told.ranger == 3 and np.array_equal(told.intensities, ranges) and told.intensities.dtype == np.float32
 
 
 @pytest.mark.parametrize(
@@ -36,7 +38,7 @@ def test_what_is_encoded_is_decoded(make_world):
         b"", b"?", b"H", b"H\x02", b"H\x01robot_0", b"H\x02\xff\xfe", b"H\x02" + b"x" * 1000, b"C", b"C" + bytes(15),
         p.encode_command(float("nan"), 0.0, 0.0), p.encode_command(0.0, float("nan"), 0.0),
         p.encode_command(0.0, 0.0, float("inf")), p.encode_welcome(WELCOME)[:-1],
-        b"W\x09" + p.encode_welcome(WELCOME)[2:], b"S" + bytes(7), b"R\x00",
+        b"W\x09" + p.encode_welcome(WELCOME)[2:], b"S" + bytes(7), b"R\x00", b"I", b"I\x00\x00",
         p.encode_ranges(0, 0.0, np.zeros(2, "f4"))[:-1],
     ],
 )  # fmt: skip
@@ -47,7 +49,7 @@ def test_malformed_packets_are_refused(packet):
 
 @given(packet=st.binary(max_size=200))
 def test_any_packet_is_decoded_or_refused(packet):
-    for kind in (b"", b"H", b"C", b"W", b"S", b"R", b"E", b"B"):
+    for kind in (b"", b"H", b"C", b"W", b"S", b"I", b"R", b"E", b"B"):
         try:
             p.decode(kind + packet)
         except p.ProtocolError as error:

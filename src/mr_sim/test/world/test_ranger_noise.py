@@ -158,7 +158,7 @@ def test_constant_noise_alone_draws_what_it_always_drew(samples):
         start=(2.0, 5.0, 0.0), footprint=[[(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]],
         linear_bounds=(-1.0, 1.0), lateral_bounds=(0.0, 0.0), angular_bounds=(-1.0, 1.0),
         localization_origin=(0.0, 0.0, 0.0), exact_localization=True, bias=(0.0,) * 3, walk=(0.0,) * 3, walk_seed=0,
-        base_steps=1, command_timeout=0.5, seen=[], solid=True, noise_seed=5489, rangers=[exact, noisy],
+        base_steps=1, command_timeout=0.5, seen=[], intensities=[], solid=True, noise_seed=5489, rangers=[exact, noisy],
     )  # fmt: skip
     drawn = normals(5489)
     for _ in range(3):

@@ -4,7 +4,7 @@ import ast
 import re
 from pathlib import Path
 
-from mr_sim import world_process, world_words
+from mr_sim import stageros_options, world_process, world_words
 
 PACKAGE = Path(__file__).parents[2]
 README = (PACKAGE / "README.md").read_text(encoding="utf-8")
@@ -30,6 +30,14 @@ def test_options_of_the_world_process():
 
 def test_parameters_of_the_robot_node():
     assert first_columns("| Parameter | Default | Meaning |") == [f"~{name}" for name in constant("PARAMETERS")]
+
+
+def test_parameters_and_services_of_stageros():
+    parameters = first_columns("| Parameter of `stageros` | Default | Meaning |")
+    assert parameters == [f"~{name}" for name in stageros_options.PARAMETERS]
+    services = re.findall(r'rospy\.Service\("(\w+)"', (PACKAGE / "src/mr_sim/stageros.py").read_text(encoding="utf-8"))
+    assert first_columns("| Service | Type | |") == services == ["reset_positions"]
+    assert all(f"`~{name}`" in README for name in stageros_options.WITHOUT_EFFECT)
 
 
 def test_topics_of_the_robot_node():

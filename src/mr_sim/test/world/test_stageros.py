@@ -5,6 +5,7 @@ import threading
 import pytest
 
 from mr_sim import stageros
+from mr_sim.stageros_options import Prefixes
 from mr_sim.world_client import ConnectionRefused
 
 
@@ -15,5 +16,5 @@ def test_a_robot_that_the_world_refuses_ends_the_world(make_world, tmp_path, mon
     monkeypatch.setattr(stageros.WorldClient, "connect", refuse)
     world, before = make_world('rover ( name "a" )\n'), threading.active_count()
     with pytest.raises(ConnectionRefused, match="refuses a: too many"):
-        stageros._run(world, False, 1.0, str(tmp_path))
+        stageros._run(world, [Prefixes("", "")], 1.0, str(tmp_path))
     assert threading.active_count() == before and not (tmp_path / "world").exists()

@@ -182,6 +182,38 @@ def test_bad_packet_of_a_robot_ends_only_that_robot(start):
     assert states(good, 1.0)[0] and states(again, 1.0)[0]
 
 
+def test_robots_go_back_to_their_starts_while_they_drive(start, monkeypatch):
+    running = start(real_time_factor=0.0, duration=0.5)
+    world, step = running.server.world, running.server.world.step
+
+    def step_and_reset():
+        step()
+        if world.steps == 5:
+            running.server.reset_positions()
+
+    monkeypatch.setattr(world, "step", step_and_reset)
+    first = running.connect("a")
+    first.command(0.4, 0.0)
+    second = running.connect("b")
+    seen, _ = states(first, 0.5)
+    assert [s.pose[0] for s in seen] == pytest.approx([0.02 * n for n in (1, 2, 3, 4, 5, 1, 2, 3, 4, 5)])
+    assert [s.odometry[0] for s in seen] == pytest.approx([0.02 * n for n in range(1, 11)]), "its wheels count on"
+    assert all(s.pose == (0, 2, 0) for s in states(second, 0.5)[0])
+
+
+def test_intensities_come_before_their_ranges_if_the_world_tells_them(make_world, tmp_path):
+    world = make_world(TWO.splitlines()[0], intensities=True)
+    running = Running(world, tmp_path / "bright", real_time_factor=0.0, duration=0.5)
+    client, told = running.connect("a"), []
+    while not isinstance(message := client.receive(), p.Bye):
+        told.append(message)
+    sweeps = [message for message in told if not isinstance(message, p.State)]
+    kinds = [type(message) for message in sweeps]
+    running.join()
+    assert kinds == [p.Intensities, p.Ranges] * 5
+    assert (sweeps[0].intensities == (sweeps[1].ranges < 8.0)).all()
+
+
 def test_dead_robot_stands_still_the_world_goes_on_and_it_may_return(start):
     running = start(real_time_factor=5.0)
     first, second = running.connect("a"), running.connect("b")

@@ -17,13 +17,15 @@ inline int cell_of(double coordinate) {
 
 }  // namespace
 
-Raster::Raster(const uint8_t* occupied, int rows, int columns, double resolution, Point origin)
+Raster::Raster(const uint8_t* occupied, int rows, int columns, double resolution, Point origin,
+               const float* intensities)
     : rows_(rows), columns_(columns), resolution_(resolution), origin_(origin) {
   if (rows < 1 || columns < 1) throw std::invalid_argument("a raster needs at least one cell");
   if (!(resolution > 0.0)) throw std::invalid_argument("the resolution of a raster must be positive");
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
     measure_clearance(occupied, quadrant & 1 ? 1 : -1, quadrant & 2 ? 1 : -1, &clearance_[quadrant]);
   }
+  if (intensities) intensities_.assign(intensities, intensities + static_cast<size_t>(rows) * columns);
 }
 
 // Side of the largest free square in a quadrant, by dynamic programming: one cell more than the least of the three
@@ -63,7 +65,8 @@ bool Raster::enter(double x, double y, const Point& direction, double limit, dou
   return true;
 }
 
-double Raster::cast(const Point& origin, const Point& direction, double max_range) const {
+double Raster::cast(const Point& origin, const Point& direction, double max_range, float* intensity) const {
+  if (intensity) *intensity = 0.0f;
   const double x = (origin.x - origin_.x) / resolution_;
   const double y = (origin.y - origin_.y) / resolution_;
   const double limit = max_range / resolution_;
@@ -84,8 +87,12 @@ double Raster::cast(const Point& origin, const Point& direction, double max_rang
   const std::vector<uint8_t>& clearance = clearance_[(step_x > 0 ? 1 : 0) + (step_y > 0 ? 2 : 0)];
   while (travelled < limit) {
     if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return max_range;
-    const int clear = clearance[static_cast<size_t>(row) * columns_ + column];
-    if (clear == 0) return travelled * resolution_;
+    const size_t cell = static_cast<size_t>(row) * columns_ + column;
+    const int clear = clearance[cell];
+    if (clear == 0) {
+      if (intensity) *intensity = intensities_.empty() ? 1.0f : intensities_[cell];
+      return travelled * resolution_;
+    }
     // Go on where the ray leaves the free square ahead; with clear = 1 this is a DDA step.
     const int edge_x = step_x > 0 ? column + clear : column - clear + 1;
     const int edge_y = step_y > 0 ? row + clear : row - clear + 1;

@@ -66,12 +66,14 @@ void add_noise(const Ranger& ranger, std::mt19937_64& generator, float* ranges) 
   }
 }
 
-// Distance along a ray from the origin to the nearest of the polygons.
-double first_hit(const std::vector<Polygon>& polygons, const Point& direction) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Polygon& polygon : polygons) {
+// Distance along a ray from the origin to the nearest of the polygons, and which that is.
+std::pair<double, size_t> first_hit(const std::vector<Polygon>& polygons, const Point& direction) {
+  std::pair<double, size_t> nearest{std::numeric_limits<double>::infinity(), 0};
+  for (size_t index = 0; index < polygons.size(); ++index) {
+    const Polygon& polygon = polygons[index];
     for (size_t i = 0; i < polygon.size(); ++i) {
-      nearest = std::min(nearest, ray_segment({0.0, 0.0}, direction, polygon[i], polygon[(i + 1) % polygon.size()]));
+      const double distance = ray_segment({0.0, 0.0}, direction, polygon[i], polygon[(i + 1) % polygon.size()]);
+      if (distance < nearest.first) nearest = {distance, index};
     }
   }
   return nearest;
@@ -85,6 +87,7 @@ World::World(std::shared_ptr<const Raster> obstacles, std::shared_ptr<const Rast
 }
 
 int World::add_robot(RobotOptions options) {
+  if (options.intensities.size() != options.seen.size()) throw std::invalid_argument("one intensity for each polygon");
   Robot robot;
   robot.radius = reach(options.footprint);
   robot.outline = place(options.footprint, options.start);
@@ -125,6 +128,18 @@ void World::command(int robot, double linear, double lateral, double angular) {
   target.wanted_lateral = lateral;
   target.wanted_angular = angular;
   target.commanded_at = time();
+}
+
+void World::reset_positions() {
+  for (Robot& robot : robots_) {
+    RobotState& state = robot.state;
+    const Pose& start = robot.options.start;
+    std::tie(state.x, state.y, state.yaw) = std::tie(start.x, start.y, start.yaw);
+    state.velocity_x = state.velocity_y = state.velocity_yaw = 0.0;
+    state.stalled = 0;
+    state.contact = static_cast<uint8_t>(Contact::kNone);
+    robot.outline = place(robot.options.footprint, start);
+  }
 }
 
 void World::step() {
@@ -225,7 +240,7 @@ Contact World::contact_at(int index, const Pose& pose) const {
   return Contact::kNone;
 }
 
-void World::scan(int index, int ranger_index, float* ranges) {
+void World::scan(int index, int ranger_index, float* ranges, float* intensities) {
   Robot& robot = at(index);
   const Ranger& ranger = robot.options.rangers.at(static_cast<size_t>(ranger_index));
   const Beams& exact = robot.beams[static_cast<size_t>(ranger_index)];
@@ -233,9 +248,11 @@ void World::scan(int index, int ranger_index, float* ranges) {
   const Beams wrong = errs ? disturbed(exact, ranger, robot.noise) : Beams{};
   const Beams& beams = errs ? wrong : exact;
   const Pose eye = Pose{robot.state.x, robot.state.y, robot.state.yaw} * ranger.mount;
-  see_walls(ranger, beams, eye, ranges);
+  see_walls(ranger, beams, eye, ranges, intensities);
   for (int i = 0; i < size(); ++i) {
-    if (i != index && !robots_[i].options.seen.empty()) see_robot(robots_[i], ranger, beams, eye, ranges);
+    if (i != index && !robots_[i].options.seen.empty()) {
+      see_robot(robots_[i], ranger, beams, eye, ranges, intensities);
+    }
   }
   add_noise(ranger, robot.noise, ranges);
 }
@@ -253,15 +270,18 @@ World::Beams World::disturbed(const Beams& beams, const Ranger& ranger, std::mt1
   return wrong;
 }
 
-void World::see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const {
+void World::see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges,
+                      float* intensities) const {
   const mr_grid::Frame frame(eye);
-  for (const Point& beam : beams.directions) {
-    *ranges++ = static_cast<float>(visible_->cast({eye.x, eye.y}, frame.turned(beam), ranger.range_max));
+  for (int i = 0; i < ranger.samples; ++i) {
+    const Point direction = frame.turned(beams.directions[i]);
+    float* intensity = intensities ? intensities + i : nullptr;
+    ranges[i] = static_cast<float>(visible_->cast({eye.x, eye.y}, direction, ranger.range_max, intensity));
   }
 }
 
-void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye,
-                      float* ranges) const {
+void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges,
+                      float* intensities) const {
   const Pose centre = between(eye, {target.state.x, target.state.y, 0.0});
   const double distance = std::hypot(centre.x, centre.y);
   if (distance > ranger.range_max + target.radius) return;
@@ -280,7 +300,10 @@ void World::see_robot(const Robot& target, const Ranger& ranger, const Beams& be
     const int begin = static_cast<int>(single ? 0.0 : std::clamp(first_beam, 0.0, last + 1.0));
     const int end = static_cast<int>(single ? 0.0 : std::clamp(last_beam, -1.0, last));
     for (int i = begin; i <= end; ++i) {
-      ranges[i] = std::min(ranges[i], static_cast<float>(first_hit(outline, beams.directions[i])));
+      const auto [distance, polygon] = first_hit(outline, beams.directions[i]);
+      if (static_cast<float>(distance) >= ranges[i]) continue;
+      ranges[i] = static_cast<float>(distance);
+      if (intensities) intensities[i] = target.options.intensities[polygon];
     }
   }
 }

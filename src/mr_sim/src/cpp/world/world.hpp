@@ -32,6 +32,7 @@ struct RobotOptions {
   Pose start;                       // world frame
   std::vector<Polygon> footprint;   // robot frame
   std::vector<Polygon> seen;        // of these, by ranger_return: what other robots' lasers see
+  std::vector<float> intensities;   // of the echoes of `seen`
   double linear_min, linear_max;    // velocity_bounds, m/s
   double lateral_min, lateral_max;  // m/s to the left; both 0 but for an omnidirectional drive
   double angular_min, angular_max;  // rad/s
@@ -69,6 +70,10 @@ class World {
   // Wanted velocity, taken up at the robot's next base update. Throws std::invalid_argument unless finite.
   void command(int robot, double linear, double lateral, double angular);
 
+  // All robots stand at their start poses again. Commands go on, and so does odometry, unless it is exact and shows the
+  // start pose from the next step on.
+  void reset_positions();
+
   // Advances the world by one interval.
   void step();
 
@@ -80,8 +85,9 @@ class World {
   // What the footprint would overlap with the robot at `pose`.
   Contact contact_at(int robot, const Pose& pose) const;
 
-  // One sweep of a ranger from the robot's present pose: `samples` ranges in metres, counter-clockwise.
-  void scan(int robot, int ranger, float* ranges);
+  // One sweep of a ranger from the robot's present pose: `samples` ranges in metres, counter-clockwise, and, unless
+  // null, as many intensities.
+  void scan(int robot, int ranger, float* ranges, float* intensities = nullptr);
   int samples(int robot, int ranger) const;
 
  private:
@@ -111,8 +117,9 @@ class World {
   void count_odometry(Robot& robot) const;
   static Pose wheel_motion(Robot& robot, double interval);
   static Beams disturbed(const Beams& beams, const Ranger& ranger, std::mt19937_64& generator);
-  void see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const;
-  void see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges) const;
+  void see_walls(const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges, float* intensities) const;
+  void see_robot(const Robot& target, const Ranger& ranger, const Beams& beams, const Pose& eye, float* ranges,
+                 float* intensities) const;
 
   std::shared_ptr<const Raster> obstacles_;
   std::shared_ptr<const Raster> visible_;
