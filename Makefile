@@ -105,9 +105,12 @@ bench-slam-peers: build
 	@mkdir -p out/bench && $(ENVIRONMENT) OMP_NUM_THREADS=1 PYTHONPATH=build/slam_peers:$$PYTHONPATH \
 	  rosrun mr_experiments bench slam --peers --out out/bench/slam_peers.json $(if $(REAL_LOGS),--real-logs $(REAL_LOGS)) $(SLAM)
 
-# Where robots get stuck: two hundred scenes drawn from seeds, a minute.
+# Where robots get stuck: two hundred scenes drawn from seeds with Pioneers and with Turtlebots, three minutes.
 bench-navigation: build
-	@mkdir -p out/bench && $(ENVIRONMENT) rosrun mr_sim bench_navigation --seeds 200 --jobs 2 --out out/bench/navigation.json
+	@mkdir -p out/bench && $(ENVIRONMENT) missed=0; \
+	rosrun mr_sim bench_navigation --jobs 2 --out out/bench/navigation.json || missed=1; \
+	rosrun mr_sim bench_navigation --jobs 2 --robot turtlebot --out out/bench/navigation_turtlebot.json || missed=1; \
+	exit $$missed
 
 # The same beside planners of OMPL and MRPT's reactive navigator: a quarter of an hour. NAVIGATION: options.
 bench-navigation-peers: build

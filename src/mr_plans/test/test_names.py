@@ -16,7 +16,11 @@ from mr_plans import WorldName, is_generated, parse_name, world_files, world_pla
         ("generated:hall:3:37.5x22", WorldName("hall", 3, (37.5, 22.0)), "generated-hall-3-37.5x22"),
         ("generated:cave:0:anywhere", WorldName("cave", 0, (26, 18), True), "generated-cave-0-26x18-anywhere"),
         ("generated:loop:1:20x18:anywhere", WorldName("loop", 1, (20, 18), True), "generated-loop-1-20x18-anywhere"),
-        ("generated:office:7:mixed", WorldName("office", 7, (26, 15), False, "mixed"), "generated-office-7-26x15-mixed"),
+        (
+            "generated:office:7:mixed",
+            WorldName("office", 7, (26, 15), False, "mixed"),
+            "generated-office-7-26x15-mixed",
+        ),
         (
             "generated:cave:0:20x18:anywhere:turtlebots",
             WorldName("cave", 0, (20, 18), True, "turtlebots"),

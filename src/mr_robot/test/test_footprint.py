@@ -57,5 +57,5 @@ def test_a_round_robot_turns_where_a_box_of_its_size_cannot():
 
 
 def test_a_radius_that_cuts_into_the_sides_is_refused():
-    with pytest.raises(NavigationError, match="footprint_radius must be at least half the longer side, 0.22 m, or 0"):
+    with pytest.raises(NavigationError, match=r"footprint_radius must be at least half the longer side, 0\.22 m, or 0"):
         navigation_with(footprint_radius=0.2)

@@ -47,16 +47,15 @@ def is_map(name: str) -> bool:
 def keep_generated(world: str, folder: Path) -> str:
     """Path of a world in the folder of a mission: a copy of its files if it was drawn for it, else where it is.
     Raises UserError."""
-    from mr_sim.worlds import GENERATED, ROBOT
+    from mr_sim.worlds import GENERATED, files_of
 
     path = Path(world)
     if path.parent != GENERATED.resolve():
         return world
     try:
         folder.mkdir()
-        for file in (path, path.with_suffix(".png"), path.with_name(ROBOT), path.with_suffix(".reference.json")):
-            if file.exists():
-                shutil.copy(file, folder)
+        for file in files_of(path):
+            shutil.copy(file, folder)
     except OSError as error:
         raise UserError(f"cannot keep the world in {folder}: {error.strerror}") from None
     return str(folder / path.name)

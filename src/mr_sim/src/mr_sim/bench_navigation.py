@@ -5,7 +5,7 @@ import json
 import statistics
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -22,7 +22,6 @@ COMMAND_BAR, WORST_BAR = 2.0, 100.0  # ms; a command has to come before the next
 def rows(runs: Sequence[SceneRun], robot: str = PIONEER) -> list[Row]:
     """Of all scenes, and how often robots got stuck in those of each kind. `robot`: kind of the robots, which rows of
     others than Pioneers name."""
-    of_robot = "" if robot == PIONEER else f"{robot}: "
     seeds = f"seeds {min(run.seed for run in runs)} to {max(run.seed for run in runs)}"
     goals = [goal for run in runs for goal in run.goals]
     reached = [goal for goal in goals if goal.reached]
@@ -33,14 +32,15 @@ def rows(runs: Sequence[SceneRun], robot: str = PIONEER) -> list[Row]:
     spent = 1e3 * sum(run.navigation for run in runs) / commands
     worst = 1e3 * max(run.slowest for run in runs)
     touching = [str(run.seed) for run in runs if run.contacts]
-    return [
-        _row(f"{of_robot}stuck per 100 goals", STUCK_BAR, stuck, "", f"{len(goals)} goals, {seeds}: {_by_kind(runs)}"),
-        _row(f"{of_robot}steps in contact", CONTACT_BAR, contacts, "", f"in the scenes {', '.join(touching) or 'none'}"),
-        _row(f"{of_robot}time over the ideal", TIME_BAR, ratio, "x", f"of {len(reached)} goals reached"),
-        _row(f"{of_robot}processor time of a command", COMMAND_BAR, spent, "ms", f"mean of {commands}, with maps"),
-        _row(f"{of_robot}longest command", WORST_BAR, worst, "ms", "median of the scenes' longest "
+    table = [
+        _row("stuck per 100 goals", STUCK_BAR, stuck, "", f"{len(goals)} goals, {seeds}: {_by_kind(runs)}"),
+        _row("steps in contact", CONTACT_BAR, contacts, "", f"in the scenes {', '.join(touching) or 'none'}"),
+        _row("time over the ideal", TIME_BAR, ratio, "x", f"of {len(reached)} goals reached"),
+        _row("processor time of a command", COMMAND_BAR, spent, "ms", f"mean of {commands}, with maps"),
+        _row("longest command", WORST_BAR, worst, "ms", "median of the scenes' longest "
              f"{1e3 * statistics.median(run.slowest for run in runs):.1f} ms"),
     ]  # fmt: skip
+    return table if robot == PIONEER else [replace(row, what=f"{robot}: {row.what}") for row in table]
 
 
 def _by_kind(runs: Sequence[SceneRun]) -> str:

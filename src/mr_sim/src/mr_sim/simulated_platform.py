@@ -2,7 +2,16 @@
 
 import math
 
-from mr_robot.platforms.platform import Drive, Footprint, Mount, Platform, PlatformError, RangeSensor, Topics, rounded_up
+from mr_robot.platforms.platform import (
+    Drive,
+    Footprint,
+    Mount,
+    Platform,
+    PlatformError,
+    RangeSensor,
+    Topics,
+    rounded_up,
+)
 from mr_sim.world_description import RangerDescription, RobotDescription
 
 FEWEST_BEAMS = 3  # of a scan that SLAM and navigation can use

@@ -56,8 +56,8 @@ OLDER_WORDS = frozenset(
     {
         "background", "block", "blocks", "channel_count", "channels", "db_count", "enable_velocity", "event_queues",
         "gravity_return", "gui_disable", "gui_interval",
-        "gui_movemask", "interval_real", "laser_return", "laser_sample_skip", "line", "lines", "odom", "origin3", "pose3", "ppm",
-        "size3", "spose3", "sraycount", "ssize", "velocity_enable", "view", "wheel",
+        "gui_movemask", "interval_real", "laser_return", "laser_sample_skip", "line", "lines", "odom", "origin3",
+        "pose3", "ppm", "size3", "spose3", "sraycount", "ssize", "velocity_enable", "view", "wheel",
     }
 )  # fmt: skip
 """Of Stage before 4.3 or of its documentation: Stage 4.3 does not read them either."""

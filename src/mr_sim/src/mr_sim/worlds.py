@@ -129,6 +129,13 @@ def _write(files: WorldFiles, folder: Path) -> Path:
     return world
 
 
+def files_of(world: Path) -> list[Path]:
+    """The file of a generated world and all that belong to it. Raises OSError."""
+    text = world.read_text(encoding="utf-8")
+    included = [file for file in sorted(world.parent.glob("*.inc")) if f'include "{file.name}"' in text]
+    return [world, *included, *filter(Path.is_file, (world.with_suffix(".png"), reference_path(world)))]
+
+
 @lru_cache(maxsize=8)
 def _drawn(name: str) -> WorldFiles:
     return world_files(parse_name(name), generated_radius())

@@ -178,8 +178,12 @@ PYBIND11_MODULE(_navigation, module) {
       .def_readwrite("curvature", &Limits::curvature);
   py::class_<Footprint>(module, "Footprint")
       .def(py::init<double, double, double>(), py::arg("half_length"), py::arg("half_width"), py::arg("radius") = 0.0)
-      .def("distance", [](const Footprint& self, double x, double y) { return self.distance({x, y}); }, py::arg("x"),
-           py::arg("y"))
+      .def(
+          "distance",
+          [](const Footprint& self, double x, double y) {
+            return self.distance({x, y});
+          },
+          py::arg("x"), py::arg("y"))
       .def_readonly("radius", &Footprint::radius)
       .def_readonly("half_length", &Footprint::half_length)
       .def_readonly("half_width", &Footprint::half_width);

@@ -17,7 +17,8 @@ class Footprint {
   Footprint(double half_length, double half_width, double radius = 0.0)
       : half_length(half_length),
         half_width(half_width),
-        radius(radius > 0.0 ? std::min(radius, std::hypot(half_length, half_width)) : std::hypot(half_length, half_width)),
+        radius(radius > 0.0 ? std::min(radius, std::hypot(half_length, half_width))
+                            : std::hypot(half_length, half_width)),
         cut_off_(this->radius < std::hypot(half_length, half_width)) {}
 
   // m, negative inside. Where the radius cuts off the corners, at most the true distance.

@@ -164,8 +164,7 @@ PoseGraph::Solution::Solution(const PoseGraph& graph)
   }
   for (const Link& link : graph.links_) {
     add<3, 3, 3>(new ScanCost{link.relative, link.root}, link.from + kRecent < link.to ? kOutlier : 0.0,
-                    poses_[link.from].data(),
-                 poses_[link.to].data());
+                 poses_[link.from].data(), poses_[link.to].data());
   }
   const std::optional<double> walls = graph.direction_of_walls();
   direction_ = walls.value_or(0.0);
