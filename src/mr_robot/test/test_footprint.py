@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from usual_robot import navigation_with
 
 from mr_robot import _navigation
 from mr_robot.navigation.options import NavigationError
 from mr_robot.platforms.engines import navigation_options
 from mr_robot.platforms.preset import load_platform
-from usual_robot import navigation_with
 
 TURTLEBOT = load_platform("turtlebot")
 SIZES = st.floats(0.05, 1.5)
