@@ -23,6 +23,8 @@ class AirClock {
  public:
   static constexpr std::size_t kMostRemembered = 256;
   static constexpr int kPairInterval = 64;  ///< of so many frames to one destination, two measure the air
+  static constexpr int kDeviations = 8;     ///< of the time that a frame takes, that the radio may be ahead
+  static constexpr int kMostAhead = 3;      ///< frames of largest size, of those
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
@@ -49,8 +51,10 @@ class AirClock {
     last_rate_ = &rate(last_destination_);
   }
 
-  /// When a further frame may go to the radio: less than one frame of largest size is ahead of it then.
-  Time ready_at() const { return busy_until_ - std::max(last_rate_->air_time(largest_frame_) / 2, kShortestLead); }
+  /// When a further frame may go to the radio: less than one frame of largest size is ahead of it then, and of a radio
+  /// that takes now longer, now less long, as one that repeats frames by itself, as many as it may be done with sooner
+  /// than believed.
+  Time ready_at() const { return busy_until_ - std::max(lead(), kShortestLead); }
   /// When all that was handed over is off the air.
   Time idle_at() const { return busy_until_; }
   /// What is believed of frames to a neighbour, or to everybody; of a kind that was never measured, what is of all.
@@ -81,6 +85,10 @@ class AirClock {
   };
   using Transmissions = std::deque<Transmission>;
 
+  Time lead() const {
+    const Time frame = last_rate_->air_time(largest_frame_);
+    return frame / 2 + std::min(kDeviations * last_rate_->deviation(largest_frame_), kMostAhead * frame);
+  }
   Transmissions::iterator first_after(std::uint64_t counter);
   Transmission* find(std::uint64_t counter);
   bool take(std::uint64_t counter);

@@ -1,6 +1,7 @@
 #include "air/air_rate.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace adhoc_communication::air {
 namespace {
@@ -15,6 +16,7 @@ void AirRate::sample(std::size_t octets, Time duration, Time now) {
   // Of the first ones, those that others have disturbed are not waited for to be outweighed.
   const bool undisturbed = samples_ < kEnoughSamples && bounded < nanoseconds_per_octet_;
   const double gain = undisturbed ? 1.0 : std::max(kGain, 1.0 / (samples_ + 1));
+  if (samples_ >= kEnoughSamples) deviation_ += kGain * (std::abs(bounded - nanoseconds_per_octet_) - deviation_);
   nanoseconds_per_octet_ += gain * (bounded - nanoseconds_per_octet_);
   nanoseconds_per_octet_ = std::clamp(nanoseconds_per_octet_, 1.0, 100'000.0);
   samples_ = std::min(samples_ + 1, kEnoughSamples);

@@ -37,6 +37,11 @@ class AirRate {
   bool waits_for_others() const {
     return measured_often() && nanoseconds_per_octet_ >= 1.5 * *std::min_element(latest_.begin(), latest_.end());
   }
+  /// By how much measurements for frames of so many octets differ from what is believed, in the mean: radios that
+  /// contend for the channel, and repeat frames by themselves, take longer for one than for the next.
+  Time deviation(std::size_t octets) const {
+    return Time(static_cast<Time::rep>(deviation_ * static_cast<double>(octets + kOverheadOctets)));
+  }
   double nanoseconds_per_octet() const { return nanoseconds_per_octet_; }
   bool measured_lately(Time now) const { return taken_ > 0 && now - measured_ < kLatest; }
   /// So often that one disturbed measurement decides nothing.
@@ -51,6 +56,7 @@ class AirRate {
 
  private:
   double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
+  double deviation_ = 0.0;                    ///< of it
   int samples_ = 0;                           ///< no more than are enough, as with bounds_
   int bounds_ = 0;
   std::array<double, kLatestSamples> latest_{};

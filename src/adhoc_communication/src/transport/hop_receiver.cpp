@@ -8,12 +8,23 @@ namespace {
 /// Fewer are acknowledged soon: what is not may go a second way if the link dies.
 constexpr int kFewFrames = 3;
 
+constexpr Time kLongestDelay = std::chrono::milliseconds(60);
+constexpr int kQuietFrames = 8;
+constexpr int kFramesHeldBack = 24;
+
 }  // namespace
+
+AcknowledgmentDelays AcknowledgmentDelays::of(Time frame) {
+  AcknowledgmentDelays delays;
+  delays.longest = std::clamp(kFramesHeldBack * frame, delays.longest, kLongestDelay);
+  delays.quiet = std::clamp(kQuietFrames * frame, delays.quiet, delays.longest);
+  return delays;
+}
 
 bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool acknowledge_now, Time now) {
   bool gap = false;
   const bool fresh = mark(link_sequence, gap);
-  const bool single = now - newest_arrival_ >= kQuiet;
+  const bool single = now - newest_arrival_ >= delays_.quiet;
   if (counter > newest_counter_) {
     spacing_ = counter == newest_counter_ + 1 ? now - newest_arrival_ : Time(0);
     newest_counter_ = counter;
@@ -24,8 +35,8 @@ bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool 
   const bool now_due =
       gap_ripe(gap, now) || (gap && single) || acknowledge_now || !fresh || unacknowledged_ >= kFramesPerAcknowledgment;
   if (due_ <= now) return fresh;
-  const Time longest = unacknowledged_ < kFewFrames ? kQuiet : kLongestDelay;
-  due_ = now_due ? now : std::min(now + kQuiet, owed_since_ + longest);
+  const Time longest = unacknowledged_ < kFewFrames ? delays_.quiet : delays_.longest;
+  due_ = now_due ? now : std::min(now + delays_.quiet, owed_since_ + longest);
   if (gap_since_) due_ = std::min(due_, *gap_since_ + kGapDelay);
   return fresh;
 }

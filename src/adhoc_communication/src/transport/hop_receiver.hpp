@@ -12,11 +12,19 @@ namespace adhoc_communication::transport {
 /// Of the frame that brings an acknowledgment, behind the Ethernet header: its body has 36.
 constexpr std::size_t kAcknowledgmentOctets = wire::kHeaderSize + 36 + wire::kChecksumSize;
 
+/// How long an acknowledgment is held back that nobody asked for.
+struct AcknowledgmentDelays {
+  Time quiet = std::chrono::milliseconds(3);     ///< without a further frame
+  Time longest = std::chrono::milliseconds(10);  ///< since the first frame
+
+  /// Where frames come as slowly as they do on a route whose hops share a slow channel, one for each would cost more
+  /// air than it saves. `frame`: air time of one of full size; 0: not known.
+  static AcknowledgmentDelays of(Time frame);
+};
+
 class HopReceiver {
  public:
   static constexpr int kFramesPerAcknowledgment = 8;
-  static constexpr Time kQuiet = std::chrono::milliseconds(3);          ///< without a further frame
-  static constexpr Time kLongestDelay = std::chrono::milliseconds(10);  ///< since the first frame
   /// A gap is told after so many further frames, so that one acknowledgment tells the next gap, too.
   static constexpr int kFramesAfterGap = 2;
   static constexpr Time kGapDelay = std::chrono::milliseconds(1);
@@ -25,6 +33,8 @@ class HopReceiver {
 
   wire::BootTag boot() const { return boot_; }
 
+  /// From now on.
+  void delay(const AcknowledgmentDelays& delays) { delays_ = delays; }
   /// True for a frame not seen before.
   bool take(std::uint32_t link_sequence, std::uint64_t counter, bool acknowledge_now, Time now);
   /// When the acknowledgment is due; Time::max() if none is owed.
@@ -39,6 +49,7 @@ class HopReceiver {
   bool gap_ripe(bool gap, Time now);
 
   wire::BootTag boot_;
+  AcknowledgmentDelays delays_;
   bool started_ = false;
   std::uint32_t highest_ = 0;
   std::uint64_t received_ = 0;

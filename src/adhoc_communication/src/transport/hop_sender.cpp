@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "transport/hop_receiver.hpp"
-
 namespace adhoc_communication::transport {
 namespace {
 
@@ -81,7 +79,7 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
   }
   const int backoff = std::min(flight.timeouts, 5);
   const Time expires = now + std::max(timer() * (5 + backoff) / 5, patience_);
-  unresolved_.push_back({counter, link_sequence, now, expires, expires + HopReceiver::kLongestDelay});
+  unresolved_.push_back({counter, link_sequence, now, expires, expires + delays_.longest});
   const bool again = flight.transmissions > 1 || flight.frame.again;
   const HopFrame& frame = flight.frame;
   const bool passed_on = frame.previous_hop != MacAddress{};
@@ -173,7 +171,7 @@ Time HopSender::answer_overdue() const {
   if (window_full()) return question_->asked + std::max(answer_.timeout(), patience_);
   const Time wait = answer_.timeout() * (1 << std::min(overdue_, 6));
   if (!eager_ || wait >= timer()) return Time::max();
-  return latest_ + (unresolved_.back().asks ? Time(0) : HopReceiver::kQuiet) + wait;
+  return latest_ + (unresolved_.back().asks ? Time(0) : delays_.quiet) + wait;
 }
 
 /// It is the most likely one to be missing, and its repetition asks again.

@@ -10,6 +10,7 @@
 
 #include "routing/sequence_number.hpp"
 #include "transport/frame_queue.hpp"
+#include "transport/hop_receiver.hpp"
 #include "transport/priorities.hpp"
 #include "transport/round_trip.hpp"
 #include "wire/messages.hpp"
@@ -61,6 +62,8 @@ class HopSender {
   void be_patient(Time patience) { patience_ = patience; }
   /// Nobody else is known to send on the channel, so that an answer which is overdue is asked for soon.
   void be_eager(bool eager) { eager_ = eager; }
+  /// So long may the neighbour hold its acknowledgments back.
+  void expect(const AcknowledgmentDelays& delays) { delays_ = delays; }
   /// The radio may repeat frames by itself, so that those for a neighbour that is gone take long.
   void be_sparing(bool sparing) { sparing_ = sparing; }
 
@@ -88,7 +91,9 @@ class HopSender {
   std::size_t unresolved() const { return unresolved_.size(); }
   /// Nothing more fits, or soon, or an answer is overdue: an acknowledgment is wanted.
   bool pressing() const {
-    return unresolved_.size() > most_unresolved() * 3 / 4 || !may_start() || (eager_ && overdue_ > 0);
+    // Where the radio repeats it, one question arrives.
+    const bool soon_full = unresolved_.size() > most_unresolved() * 3 / 4 && !(sparing_ && question_);
+    return soon_full || !may_start() || (eager_ && overdue_ > 0);
   }
   /// The latest transmission asks for an acknowledgment at once.
   void ask(std::uint64_t counter, Time now);
@@ -178,6 +183,7 @@ class HopSender {
   std::optional<Question> question_;  ///< that is not answered
   RoundTrip answer_{std::chrono::milliseconds(20), kShortestWait, kLongestTimer};
   Time patience_{0};
+  AcknowledgmentDelays delays_;
   std::optional<Time> waiting_since_;  ///< frames have been outstanding without a break since then
   Time silent_since_{0};
   Time last_progress_{0};

@@ -89,6 +89,7 @@ bool Hops::take(const wire::FrameHeader& header, Time now) {
   if (header.type == FrameType::kData) {
     turns_.heard(header.sender, at_once, air_.undisturbed_frame_time(header.sender), now);
   }
+  from.receiver->delay(delays(header.sender));
   if (from.receiver->take(header.link_sequence, header.counter, at_once, now)) return true;
   ++statistics_.frames_received_again;
   return false;
@@ -126,6 +127,10 @@ std::vector<MacAddress> Hops::expire(Time now) {
     if (hop->sender.dead(now)) dead.push_back(neighbor);
   }
   return dead;
+}
+
+AcknowledgmentDelays Hops::delays(const MacAddress& neighbor) const {
+  return AcknowledgmentDelays::of(air_.calibrated(neighbor) ? air_.undisturbed_frame_time(neighbor) : Time(0));
 }
 
 /// On a crowded channel one later acknowledgment for many frames is better than a queue of them in the radio.
@@ -243,6 +248,7 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   const bool shared = air_.shared(now);
   hop.sender.be_patient(shared ? turns_.patience(neighbor) : Time(0));
   hop.sender.be_eager(air_.alone(now));
+  hop.sender.expect(delays(neighbor));
   hop.sender.be_sparing(neighbors_.radio_may_repeat());
   const bool at_once = shared && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
                                                       : wants_answer(neighbor, hop, outgoing.type, now);

@@ -80,6 +80,7 @@ class Hops : public Outbox {
   };
 
   Hop& hop(const MacAddress& neighbor);
+  AcknowledgmentDelays delays(const MacAddress& neighbor) const;
   Time acknowledgment_due(const MacAddress& neighbor, const HopReceiver& receiver) const;
   bool air_allows(const MacAddress& neighbor, const Hop& hop, std::uint8_t priority, Time now) const;
   bool is_turn(const MacAddress& neighbor, std::uint8_t priority, Time now) const;

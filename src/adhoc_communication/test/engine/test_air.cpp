@@ -116,6 +116,20 @@ TEST(AirClockKinds, AnAnswerThatComesAfterLaterOnesStillMeasures) {
   EXPECT_NEAR(microseconds(clock.undisturbed_frame_time(kNear)), 400, 1) << "each frame measures once";
 }
 
+/// Half a frame ahead, a radio that repeats frames by itself stood idle after each that it did not have to repeat.
+TEST(AirClockKinds, ARadioThatTakesNowLongerNowLessLongIsKeptBusy) {
+  const auto ahead = [](Time shorter, Time longer) {
+    air::AirClock clock(kOctets);
+    std::uint64_t counter = 0;
+    for (int i = 0; i < 60; ++i) measure(clock, counter, kNear, i % 2 == 0 ? shorter : longer, i * 100ms);
+    clock.transmitted(++counter, kOctets, kNear, 10s);
+    return microseconds(clock.idle_at() - clock.ready_at()) / frame_time(clock, kNear);
+  };
+  EXPECT_NEAR(ahead(1ms, 1ms), 0.5, 0.01);
+  EXPECT_GT(ahead(700us, 1300us), 1.5);
+  EXPECT_NEAR(ahead(100us, 4ms), 3.5, 0.01) << "an urgent frame waits for no more than that";
+}
+
 TEST(AirClockKinds, WhatOthersDisturbedDoesNotCount) {
   air::AirClock clock(kOctets);
   std::uint64_t counter = 0;

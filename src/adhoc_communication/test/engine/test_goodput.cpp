@@ -18,6 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using air::AirClock;
+using transport::AcknowledgmentDelays;
 using transport::HopReceiver;
 using transport::HopSender;
 using transport::StreamSender;
@@ -146,6 +147,30 @@ TEST(HopReceiver, AcknowledgesWhenFramesStopOrAreMany) {
   EXPECT_EQ(due_after({100ms, 101ms, 102ms, 104500us, 107200us}), 110ms) << "10 ms after the first";
 }
 
+/// At 12 Mbit/s every third frame was acknowledged on a route of two hops, and on Wi-Fi each of these destroyed frames of
+/// the robot before the relay, which does not hear them.
+TEST(HopReceiver, AcknowledgesNoMoreOftenWhereFramesComeSlowly) {
+  HopReceiver receiver(1);
+  receiver.delay(AcknowledgmentDelays::of(1340us));
+  for (std::uint32_t sequence = 1; sequence < 8; ++sequence) {
+    const Time arrival = sequence * 3300us;
+    EXPECT_GT(receiver.due(), arrival) << sequence;
+    receiver.take(sequence, sequence, false, arrival);
+  }
+  receiver.take(8, 8, false, 8 * 3300us);
+  EXPECT_EQ(receiver.due(), 8 * 3300us) << "the eighth";
+}
+
+TEST(HopReceiver, HoldsAcknowledgmentsBackByTheUsualTimeOnAFastRadio) {
+  const AcknowledgmentDelays usual;
+  for (const Time frame : {Time(0), Time(300us)}) {
+    const AcknowledgmentDelays delays = AcknowledgmentDelays::of(frame);
+    EXPECT_EQ(delays.quiet, usual.quiet);
+    EXPECT_EQ(delays.longest, usual.longest);
+  }
+  EXPECT_LE(AcknowledgmentDelays::of(15ms).longest, 60ms) << "on the slowest one";
+}
+
 TEST(HopReceiver, TellsAGapSoonButSeveralTogether) {
   HopReceiver receiver(1);
   receiver.take(1, 1, false, 0us);
@@ -177,9 +202,9 @@ TEST(HopSender, TheTimerWaitsForAnAcknowledgmentHeldBackByFurtherFrames) {
     sender.heard(now);
     sender.expire(now);
     if (sender.unresolved() < HopSender::kMostUnresolved) send(now);
-    if (now < alone + HopReceiver::kLongestDelay) EXPECT_FALSE(sender.has_resend(0)) << now / 1us;
+    if (now < alone + AcknowledgmentDelays{}.longest) EXPECT_FALSE(sender.has_resend(0)) << now / 1us;
   }
-  sender.expire(alone + HopReceiver::kLongestDelay);
+  sender.expire(alone + AcknowledgmentDelays{}.longest);
   EXPECT_TRUE(sender.has_resend(0)) << "not put off without end";
 }
 
@@ -293,7 +318,25 @@ TEST_F(EagerSender, AsksAgainAsSoonAsTheAnswerToASingleFrameIsOverdue) {
 
 TEST_F(EagerSender, CountsOnTheQuietOfTheReceiver) {
   start(false);
-  EXPECT_EQ(wait(), HopReceiver::kQuiet + HopSender::kShortestWait);
+  EXPECT_EQ(wait(), AcknowledgmentDelays{}.quiet + HopSender::kShortestWait);
+}
+
+/// Up to four questions stood in one window, each of which was answered.
+TEST(HopSender, WhereTheRadioRepeatsOneQuestionIsEnoughUntilTheWindowIsFull) {
+  for (const bool repeats : {true, false}) {
+    HopSender sender(1, 10);
+    sender.be_sparing(repeats);
+    int questions = 0;
+    for (std::uint64_t counter = 1; sender.may_start(); ++counter) {
+      sender.start({wire::FrameType::kData, text("x"), 0}, counter, 0ms);
+      if (!sender.pressing()) continue;
+      sender.ask(counter, 0ms);
+      ++questions;
+    }
+    EXPECT_TRUE(sender.pressing()) << "nothing more fits";
+    if (repeats) EXPECT_EQ(questions, 2);
+    if (!repeats) EXPECT_GT(questions, 3);
+  }
 }
 
 TEST_F(EagerSender, LeavesASharedChannelAlone) {
