@@ -354,7 +354,7 @@ TEST(OwnGroup, ALostMemberComesBackOnlyAsTheSameRun) {
 TEST(OwnGroup, ARunThatJoinsBeforeTheFormerIsLostStays) {
   OwnGroup group(1000);
   group.admit("a", 7);
-  group.copy_started("a");
+  group.copy_started("a", packet(1, 100, 0s));
   EXPECT_EQ(group.admit("a", 8), OwnGroup::Admission::kRestarted);
   EXPECT_FALSE(group.served_by_copies("a")) << "those were for the former run";
   EXPECT_FALSE(group.lose("a", 7));
@@ -399,12 +399,33 @@ TEST(OwnGroup, HasTheMembersThatOneActivationNames) {
 TEST(OwnGroup, ServesAMemberByCopiesUntilTheLastHasEnded) {
   OwnGroup group(1000);
   group.admit("a", 7);
-  group.copy_started("a");
-  group.copy_started("a");
-  group.copy_finished("a");
+  group.copy_started("a", packet(1, 100, 0s));
+  group.copy_started("a", packet(2, 100, 0s));
+  group.copy_finished("a", 0, 1);
   EXPECT_TRUE(group.served_by_copies("a"));
-  group.copy_finished("a");
+  group.copy_finished("a", 0, 2);
   EXPECT_FALSE(group.served_by_copies("a"));
+}
+
+/// Where packets follow each other closely, one is always on its way.
+TEST(OwnGroup, AnotherTreeTakesAMemberBackWhoseCopiesAreNotLate) {
+  OwnGroup group(1000);
+  group.admit("a", 7);
+  group.copy_started("a", packet(1, 100, 0s));
+  group.take_back_punctual(100ms);
+  EXPECT_TRUE(group.served_by_copies("a")) << "it is the tree that has left it out";
+  group.tree_built();
+  group.copy_started("a", packet(2, 100, 200ms));
+  group.take_back_punctual(OwnGroup::kPunctual);
+  EXPECT_TRUE(group.served_by_copies("a")) << "what comes along the tree would wait for the first one";
+  group.copy_finished("a", 0, 1);
+  group.take_back_punctual(OwnGroup::kPunctual);
+  EXPECT_FALSE(group.served_by_copies("a"));
+
+  group.copy_started("a", packet(3, 100, 1s));
+  group.copy_finished("a", 0, 2);
+  group.take_back_punctual(1s);
+  EXPECT_TRUE(group.served_by_copies("a")) << "the new one has left it out, too";
 }
 
 TEST(OwnGroup, KeepsPacketsForNewcomersWhileTheyAreOfUse) {
