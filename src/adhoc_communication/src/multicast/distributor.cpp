@@ -23,18 +23,26 @@ Distributor::Distributor(const Identity& self, routing::Router& router, Outbox& 
 
 /// What changes of trees mean for the packets on them.
 void Distributor::settle(Time now) {
-  for (const LeftOver& left_over : trees_.take_left_over()) source_.left_over(*branches_.own(), left_over);
+  for (const LeftOver& left_over : trees_.take_left_over()) source_.left_over(*branches_.own(), left_over, now);
   for (const ChangedBranch& changed : trees_.take_changed()) {
     branches_.all().at(changed.root).children_changed(changed.anew, now);
   }
+}
+
+bool Distributor::builds_anew() const {
+  const auto own = branches_.all().find(self_.address);
+  return own == branches_.all().end() || source_.wants_fresh_tree(own->second);
 }
 
 std::uint32_t Distributor::start(SendId id, Priority priority, transport::Image image,
                                  const std::set<MacAddress>& members, Time now) {
   Branch& own = branches_.of(self_.address, self_.boot, now);
   own.tree.last_used = now;
-  if (source_.wants_fresh_tree(own)) own.tree.next_epoch();
-  if (!members.empty()) trees_.add_members(own.tree, members, now);
+  if (source_.wants_fresh_tree(own)) {
+    trees_.build_anew(own.tree, source_.fresh_tree(own, members, now), now);
+  } else if (!members.empty()) {
+    trees_.add_members(own.tree, members, now);
+  }
   settle(now);
   return source_.start(own, id, priority, std::move(image), members, now);
 }
@@ -121,7 +129,7 @@ void Distributor::unreachable(const MacAddress& member, const std::string& reaso
 void Distributor::poll(Time now) {
   Branch* own = branches_.own();
   if (own != nullptr) {
-    if (const auto members = source_.wants_tree_anew(*own)) trees_.build_anew(own->tree, *members, now);
+    if (const auto members = source_.wants_tree_anew(*own, now)) trees_.build_anew(own->tree, *members, now);
     settle(now);
   }
   trees_.attach_routed(now);

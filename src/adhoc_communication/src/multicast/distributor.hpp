@@ -24,6 +24,8 @@ class Distributor {
               std::size_t largest_packet, std::uint16_t segment_size);
 
   // At the root.
+  /// Whether the next packet gets a new tree.
+  bool builds_anew() const;
   /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.
   std::uint32_t start(SendId id, Priority priority, transport::Image image, const std::set<MacAddress>& members,
                       Time now);

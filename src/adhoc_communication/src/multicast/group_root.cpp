@@ -19,6 +19,8 @@ Time end_of(Time lifetime, Time now) { return lifetime > Time(0) ? now + lifetim
 void GroupTraffic::send_to_own(SendId id, const Image& image, Priority priority, Time lifetime, Time now) {
   std::set<MacAddress> on_tree;
   std::vector<std::string> by_themselves;
+  if (distributor_.builds_anew()) own_group_.tree_built();
+  own_group_.take_back_punctual(now);
   for (const std::string& name : own_group_.names()) {
     const auto address = directory_.address_of(name);
     if (!own_group_.served_by_copies(name) && address) {
@@ -73,7 +75,7 @@ void GroupTraffic::name_members(const std::string& robot) {
 
 /// While the copy waits the tree leaves the member out as well, so that its packets stay in order.
 void GroupTraffic::send_copy(const std::string& robot, const HeldPacket& packet, Purpose purpose, SendId parent) {
-  own_group_.copy_started(robot);
+  own_group_.copy_started(robot, packet);
   distributor_.copy_started(packet.stream, packet.number);
   copies_.add({robot, packet, purpose, parent});
   start_copies();
@@ -92,7 +94,7 @@ void GroupTraffic::start_copies() {
 
 void GroupTraffic::copy_ended(const std::string& member, std::uint8_t stream, std::uint32_t number) {
   distributor_.copy_finished(stream, number);
-  own_group_.copy_finished(member);
+  own_group_.copy_finished(member, stream, number);
 }
 
 void GroupTraffic::copy_finished(const Sending& copy) {

@@ -42,7 +42,7 @@ class GroupTraffic {
         router_(router),
         distributor_(distributor),
         own_group_(room),
-        memberships_(directory, automatic, own_group_.most()) {}
+        memberships_(directory, router.request_load(), automatic, own_group_.most()) {}
 
   // The host.
   void join(const std::string& group);

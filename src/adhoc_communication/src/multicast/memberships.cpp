@@ -79,12 +79,12 @@ const std::string* Memberships::nearest_waiting(Time now) const {
 
 void Memberships::start_waiting(Time now) {
   for (int under_way = joins_under_way(now); under_way < kJoinsAtOnce; ++under_way) {
-    if (now + kJoinBurst < next_join_at_) return;
+    if (now + kJoinBurst < next_join_at_ || (load_.full(now) && now < latest_join_ + kLongestSpacing)) return;
     const std::string* nearest = nearest_waiting(now);
     if (nearest == nullptr) return;
     const Time spacing = kJoinSpacing * directory_.size();
     next_join_at_ = std::max(now, next_join_at_) + std::clamp(spacing * (1 << slowdowns_), spacing, kLongestSpacing);
-    memberships_.at(*nearest).begun = now;
+    latest_join_ = memberships_.at(*nearest).begun = now;
     start_join(*nearest);
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adhoc_communication/types.hpp"
+#include "routing/request_load.hpp"
 #include "routing/robot_directory.hpp"
 
 namespace adhoc_communication::multicast {
@@ -48,14 +49,15 @@ class Memberships {
   static constexpr Time kJoinBurst = std::chrono::milliseconds(100);  ///< by which one may be early
   static constexpr Time kSlowJoin = std::chrono::milliseconds(350);   ///< takes so long that others need the air more
   static constexpr int kMostSlowdowns = 6;                            ///< doublings of the spacing
-  static constexpr Time kLongestSpacing = std::chrono::seconds(5);
-  static constexpr Time kFullRetry = std::chrono::seconds(30);  ///< after the root had no room for this robot
+  static constexpr Time kLongestSpacing = std::chrono::seconds(5);    ///< and the least while searches fill the air
+  static constexpr Time kFullRetry = std::chrono::seconds(30);        ///< after the root had no room for this robot
   static constexpr Time kMembersPatience = std::chrono::seconds(5);
 
   /// `automatic`: every robot's group is joined, except for those that the host has left. `most_members`: a group that
   /// has as many is full.
-  Memberships(const routing::RobotDirectory& directory, bool automatic, std::size_t most_members)
-      : directory_(directory), automatic_(automatic), most_members_(most_members) {}
+  Memberships(const routing::RobotDirectory& directory, const routing::RequestLoad& load, bool automatic,
+              std::size_t most_members)
+      : directory_(directory), load_(load), automatic_(automatic), most_members_(most_members) {}
 
   // The host wants it, of a group of another robot.
   void join(const std::string& group);
@@ -105,10 +107,12 @@ class Memberships {
   void left(const std::string& group, bool delivered);
 
   const routing::RobotDirectory& directory_;
+  const routing::RequestLoad& load_;
   bool automatic_;
   std::size_t most_members_;
   std::map<std::string, Membership> memberships_;
   Time next_join_at_{0};  ///< by itself
+  Time latest_join_{0};   ///< by itself
   int slowdowns_ = 0;     ///< for joins that took long or failed, less those that did not
   std::vector<Word> words_;
   std::vector<GroupChangeFinished> ends_;

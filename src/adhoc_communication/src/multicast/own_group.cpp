@@ -1,6 +1,7 @@
 #include "multicast/own_group.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace adhoc_communication::multicast {
 
@@ -15,11 +16,11 @@ OwnGroup::Admission OwnGroup::admit(const std::string& robot, wire::BootTag boot
   if (known == members_.end() && members_.size() >= most_) return Admission::kFull;
   forget_absent(robot);
   if (known == members_.end()) {
-    members_.emplace(robot, Member{boot, 0});
+    members_.emplace(robot, Member{boot});
     return Admission::kNew;
   }
   if (known->second.boot == boot) return Admission::kKnown;
-  known->second = Member{boot, 0};
+  known->second = Member{boot};
   return Admission::kRestarted;
 }
 
@@ -53,18 +54,37 @@ void OwnGroup::forget_absent(const std::string& robot) {
   if (const auto absent = find_absent(robot); absent != absent_.end()) absent_.erase(absent);
 }
 
-void OwnGroup::copy_started(const std::string& robot) {
-  if (const auto member = members_.find(robot); member != members_.end()) ++member->second.copies;
+void OwnGroup::copy_started(const std::string& robot, const HeldPacket& packet) {
+  const auto found = members_.find(robot);
+  if (found == members_.end()) return;
+  Member& member = found->second;
+  member.copies.emplace(std::pair(packet.stream, packet.number), packet.sent);
+  if (!std::exchange(member.left_out, true)) member.other_tree = false;
 }
 
-void OwnGroup::copy_finished(const std::string& robot) {
-  const auto member = members_.find(robot);
-  if (member != members_.end() && member->second.copies > 0) --member->second.copies;
+void OwnGroup::copy_finished(const std::string& robot, std::uint8_t stream, std::uint32_t number) {
+  const auto found = members_.find(robot);
+  if (found == members_.end()) return;
+  Copies& copies = found->second.copies;
+  if (const auto copy = copies.find({stream, number}); copy != copies.end()) copies.erase(copy);
+  if (copies.empty()) found->second.left_out = false;
 }
 
 bool OwnGroup::served_by_copies(const std::string& robot) const {
   const auto member = members_.find(robot);
-  return member != members_.end() && member->second.copies > 0;
+  return member != members_.end() && member->second.left_out;
+}
+
+void OwnGroup::take_back_punctual(Time now) {
+  const auto late = [now](const auto& copy) { return now - copy.second >= kPunctual; };
+  for (auto& [name, member] : members_) {
+    if (!member.left_out || !member.other_tree) continue;
+    member.left_out = std::any_of(member.copies.begin(), member.copies.end(), late);
+  }
+}
+
+void OwnGroup::tree_built() {
+  for (auto& [name, member] : members_) member.other_tree = true;
 }
 
 void OwnGroup::hold(HeldPacket packet, Time now) {

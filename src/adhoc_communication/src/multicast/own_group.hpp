@@ -20,6 +20,7 @@ class OwnGroup {
   static constexpr Time kHeld = std::chrono::seconds(5);
   static constexpr std::size_t kMostHeldOctets = 4'000'000;
   static constexpr std::size_t kMostHeld = 256;
+  static constexpr Time kPunctual = std::chrono::seconds(1);  ///< for a copy to arrive
 
   /// `room`: octets for the members in one activation, which has to name all.
   explicit OwnGroup(std::size_t room) : most_(std::min(kMostMembers, room / MacAddress{}.size())) {}
@@ -51,10 +52,14 @@ class OwnGroup {
   /// True for the run of a member that had been lost.
   bool comes_back(const std::string& robot, wire::BootTag boot);
 
-  // Packets on their way to a member by themselves; while there are any, the tree leaves it out.
-  void copy_started(const std::string& robot);
-  void copy_finished(const std::string& robot);
+  // Packets on their way to a member by themselves. As long as there are any the tree leaves it out, but for another
+  // tree than that which they began with, if none of them is late: packets on the tree wait at the member for these.
+  void copy_started(const std::string& robot, const HeldPacket& packet);
+  void copy_finished(const std::string& robot, std::uint8_t stream, std::uint32_t number);
   bool served_by_copies(const std::string& robot) const;
+  /// To be called for each packet.
+  void take_back_punctual(Time now);
+  void tree_built();
 
   /// Keeps a packet, and forgets those that are too old or too many.
   void hold(HeldPacket packet, Time now);
@@ -64,6 +69,8 @@ class OwnGroup {
   std::vector<HeldPacket> held_for_newcomers(Time now) const;
 
  private:
+  /// By stream and number; when each was sent first, by whatever way.
+  using Copies = std::multimap<std::pair<std::uint8_t, std::uint32_t>, Time>;
   using Absent = std::deque<std::pair<std::string, wire::BootTag>>;
 
   Absent::iterator find_absent(const std::string& robot);
@@ -72,7 +79,9 @@ class OwnGroup {
   std::size_t most_;
   struct Member {
     wire::BootTag boot{};
-    std::size_t copies = 0;  ///< on their way to it
+    Copies copies{};         ///< on their way to it
+    bool left_out = false;   ///< of the tree, because of these
+    bool other_tree = true;  ///< there is another tree since then
   };
   std::map<std::string, Member> members_;
   Absent absent_;  ///< members that fell silent, and their run; the latest last

@@ -11,26 +11,44 @@ bool is_little(const Transfer& transfer) {
 
 }  // namespace
 
-bool Source::wants_fresh_tree(const Branch& own) {
-  const bool at_work = std::any_of(own.streams.begin(), own.streams.end(),
-                                   [](const GroupStream& stream) { return !stream.transfers.empty(); });
-  fresh_ = own.tree.epoch == 0 || (stale_ && !at_work);
-  if (!fresh_) return false;
-  stale_ = false;
-  left_out_.clear();
-  return true;
-}
-
-std::optional<std::set<MacAddress>> Source::wants_tree_anew(const Branch& own) {
-  if (!std::exchange(build_anew_, false)) return std::nullopt;
-  stale_ = false;
-  left_out_.clear();
+std::set<MacAddress> Source::awaiting(const Branch& own) {
   std::set<MacAddress> members;
-  for (const auto& [child, behind] : own.tree.children) members.insert(behind.begin(), behind.end());
   for (const GroupStream& stream : own.streams) {
     for (const auto& [number, transfer] : stream.transfers) members.insert(transfer.open.begin(), transfer.open.end());
   }
   return members;
+}
+
+bool Source::wants_fresh_tree(const Branch& own) const {
+  if (own.tree.epoch == 0) return true;
+  bool burdened = false;
+  for (std::size_t stream = 0; stream < own.streams.size(); ++stream) {
+    const auto& transfers = own.streams[stream].transfers;
+    burdened = burdened || (!transfers.empty() && before(transfers.begin()->first, built_before_[stream]));
+  }
+  return stale_ && !burdened;
+}
+
+std::set<MacAddress> Source::fresh_tree(const Branch& own, std::set<MacAddress> members, Time now) {
+  members.merge(awaiting(own));
+  built(own, members, now);
+  return members;
+}
+
+std::optional<std::set<MacAddress>> Source::wants_tree_anew(const Branch& own, Time now) {
+  if (!std::exchange(build_anew_, false)) return std::nullopt;
+  std::set<MacAddress> members = awaiting(own);
+  for (const auto& [child, behind] : own.tree.children) members.insert(behind.begin(), behind.end());
+  built(own, members, now);
+  return members;
+}
+
+void Source::built(const Branch& own, const std::set<MacAddress>& members, Time now) {
+  built_at_ = now;
+  for (std::size_t stream = 0; stream < own.streams.size(); ++stream) built_before_[stream] = own.streams[stream].next;
+  stale_ = false;
+  left_out_.clear();
+  untried_ = members;
 }
 
 std::uint32_t Source::start(Branch& own, SendId id, Priority priority, transport::Image image,
@@ -104,13 +122,14 @@ void Source::drop_member(Branch& own, const MacAddress& member, const std::strin
 void Source::reached(Transfer& transfer, const std::set<MacAddress>& members) {
   for (const MacAddress& member : members) {
     refusals_.erase(member);
+    untried_.erase(member);
     finish_member(transfer, {transfer.id, member, true, false, {}});
   }
 }
 
 /// Once is bad luck, and a new tree gets there; a member refused again is served by itself. To be served by itself with
 /// a few frames costs less than a new tree.
-void Source::left_over(Branch& own, const LeftOver& left_over) {
+void Source::left_over(Branch& own, const LeftOver& left_over, Time now) {
   for (const MacAddress& member : left_over.members) {
     if (left_over.final) {
       give_up(own, member, false, left_over.reason);
@@ -118,7 +137,7 @@ void Source::left_over(Branch& own, const LeftOver& left_over) {
     }
     const Awaited waiting = awaited(own, member);
     if (waiting == Awaited::kNothing) continue;  // the next packet for it looks for a way anew
-    if (waiting == Awaited::kLittle) refused_with_little(member);
+    if (waiting == Awaited::kLittle) refused_with_little(member, now);
     if (waiting == Awaited::kLittle || ++refusals_[member] >= kMostRefusals) {
       give_up(own, member, true, left_over.reason);
     } else {
@@ -127,10 +146,10 @@ void Source::left_over(Branch& own, const LeftOver& left_over) {
   }
 }
 
-void Source::refused_with_little(const MacAddress& member) {
-  if (fresh_) {
+void Source::refused_with_little(const MacAddress& member, Time now) {
+  if (untried_.erase(member) != 0) {
     left_out_.insert(member);
-  } else if (left_out_.count(member) == 0) {
+  } else if (left_out_.count(member) == 0 || now - built_at_ >= kLeftOut) {
     stale_ = true;
   }
 }

@@ -28,14 +28,18 @@ class Source {
  public:
   static constexpr int kMostRefusals = 2;       ///< of a member, before it is served by itself
   static constexpr std::size_t kFewFrames = 8;  ///< for which no way is looked for where the tree has failed
+  static constexpr Time kLeftOut = std::chrono::seconds(10);  ///< a tree that did not reach a member is given no other
 
   Source(std::uint16_t segment_size, std::uint8_t first_parity)
       : segment_size_(segment_size), first_parity_(first_parity) {}
 
-  /// Before a packet: the tree reaches somebody no more, or there is none yet. To be asked once.
-  bool wants_fresh_tree(const Branch& own);
+  /// Before a packet: the tree reaches somebody no more, or there is none yet. To those that are on their way a new
+  /// tree is a burden, so that each has to bear one only.
+  bool wants_fresh_tree(const Branch& own) const;
+  /// For a packet to `members`: all that the new tree has to reach, those to whom others are on their way among them.
+  std::set<MacAddress> fresh_tree(const Branch& own, std::set<MacAddress> members, Time now);
   /// While packets are on their way: a new tree with these members. To be asked once.
-  std::optional<std::set<MacAddress>> wants_tree_anew(const Branch& own);
+  std::optional<std::set<MacAddress>> wants_tree_anew(const Branch& own, Time now);
 
   /// The number of the packet; one MemberEnd follows for each of `members`, who are in the tree.
   std::uint32_t start(Branch& own, SendId id, Priority priority, transport::Image image,
@@ -49,7 +53,7 @@ class Source {
   void drop_member(Branch& own, const MacAddress& member, const std::string& reason);
   /// All behind a child have it.
   void reached(Transfer& transfer, const std::set<MacAddress>& members);
-  void left_over(Branch& own, const LeftOver& left_over);
+  void left_over(Branch& own, const LeftOver& left_over, Time now);
 
   /// A packet goes to a member by itself: until that has ended, members are not told to pass it over.
   void copy_started(std::uint8_t stream, std::uint32_t number) { copies_[stream].insert(number); }
@@ -64,19 +68,24 @@ class Source {
  private:
   enum class Awaited { kNothing, kLittle, kMuch };
 
+  static std::set<MacAddress> awaiting(const Branch& own);
+  void built(const Branch& own, const std::set<MacAddress>& members, Time now);
+
   void begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now);
   void finish_member(Transfer& transfer, const MemberEnd& end);
   static Awaited awaited(const Branch& own, const MacAddress& member);
-  void refused_with_little(const MacAddress& member);
+  void refused_with_little(const MacAddress& member, Time now);
   void give_up(Branch& own, const MacAddress& member, bool by_copy, const std::string& reason);
 
   std::uint16_t segment_size_;
   std::uint8_t first_parity_;
   std::map<MacAddress, int> refusals_;
   bool build_anew_ = false;
-  bool stale_ = false;             ///< the tree reaches somebody no more; the next packet gets a new one
-  bool fresh_ = true;              ///< the tree has just been built
-  std::set<MacAddress> left_out_;  ///< members that the fresh tree did not reach: another one would not, either
+  bool stale_ = false;  ///< the tree reaches somebody no more; the next packet gets a new one
+  Time built_at_{0};
+  std::array<std::uint32_t, transport::kPriorities> built_before_{};  ///< numbers of the first packets since then
+  std::set<MacAddress> untried_;   ///< members with whom it was built, and to whom it has brought nothing so far
+  std::set<MacAddress> left_out_;  ///< of these, those that it did not reach: another one would not, either
   /// Numbers on their way to members by themselves.
   std::array<std::multiset<std::uint32_t, routing::SequenceOrder>, transport::kPriorities> copies_;
   std::vector<MemberEnd> ends_;

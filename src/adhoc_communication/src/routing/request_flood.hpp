@@ -57,6 +57,7 @@ class RequestFlood {
 
   void poll(const Neighbors& neighbors, Time now);
   Time next_deadline() const;
+  const RequestLoad& load() const { return load_; }
   std::size_t remembered() const { return seen_.size(); }
   /// Neighbours that the request was heard from.
   int copies(const wire::RouteRequest& request) const {

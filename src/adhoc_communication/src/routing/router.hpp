@@ -29,6 +29,7 @@ class Router {
 
   std::uint32_t own_sequence() const { return own_sequence_; }
   const RouteTable& table() const { return routes_; }
+  const RequestLoad& request_load() const { return flood_.load(); }
   std::size_t searches() const { return discovery_.searches(); }
   std::size_t searches_for_others() const { return discovery_.searches_for_others(); }
   std::size_t requests_remembered() const { return flood_.remembered(); }

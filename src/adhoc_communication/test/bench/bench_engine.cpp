@@ -34,7 +34,8 @@ int run(const std::string& part, const Effort& effort, const std::string& file) 
 int usage() {
   std::string parts;
   for (const auto& [name, measure] : kParts) parts += (parts.empty() ? "" : "|") + name;
-  std::fprintf(stderr, "usage: bench_engine [--part %s] [--trials N] [--minutes M] [--patience S] [--json FILE]\n",
+  std::fprintf(stderr,
+               "usage: bench_engine [--part %s] [--trials N] [--minutes M] [--patience S] [--seed N] [--json FILE]\n",
                parts.c_str());
   return 2;
 }
@@ -56,6 +57,8 @@ int main(int argc, char** argv) {
       effort.minutes = std::atof(value.c_str());
     } else if (std::strcmp(argv[i], "--patience") == 0 && std::atof(value.c_str()) > 0) {
       effort.patience = std::atof(value.c_str());
+    } else if (std::strcmp(argv[i], "--seed") == 0 && std::atoll(value.c_str()) > 0) {
+      effort.seed = std::strtoull(value.c_str(), nullptr, 10);
     } else if (std::strcmp(argv[i], "--json") == 0) {
       file = value;
     } else if (std::strcmp(argv[i], "--part") == 0 &&

@@ -247,7 +247,7 @@ Row repeats(const Effort& effort) {
 void measure_mission(Air air, const Effort& effort, Rows& rows) {
   const double begin = wall_seconds();
   const double start = processor_seconds();
-  Mission mission(air, 1);
+  Mission mission(air, effort.seed);
   mission.run(kWarmUp, Time(static_cast<Time::rep>(effort.minutes * 60e9)), effort.patience);
   const double wall = wall_seconds() - begin;
   const double cpu = processor_seconds() - start;

@@ -36,9 +36,10 @@ class Rows {
 
 /// How much is measured.
 struct Effort {
-  int trials = 20;        ///< scales the number of seeds
-  double minutes = 10;    ///< of virtual time, where a mission is driven
-  double patience = 600;  ///< seconds of processor time after which a mission is stopped where it is
+  int trials = 20;         ///< scales the number of seeds
+  double minutes = 10;     ///< of virtual time, where a mission is driven
+  double patience = 600;   ///< seconds of processor time after which a mission is stopped where it is
+  std::uint64_t seed = 1;  ///< of a mission
 };
 
 double seconds(Time time);

@@ -16,7 +16,7 @@ transport::Image image(std::size_t octets) { return std::make_shared<const Bytes
 /// The root of a tree with A behind A, B and C behind B.
 struct Root {
   Root() : source(1000, 0), own(branches.of(kSelf.address, kSelf.boot, 0s)) {
-    source.wants_fresh_tree(own);
+    source.fresh_tree(own, {kA, kB, kC}, 0s);
     own.tree.next_epoch();
     own.tree.children = {{kA, {kA}}, {kB, {kB, kC}}};
   }
@@ -133,21 +133,60 @@ TEST(Source, MembersPassNothingOverThatACopyStillBrings) {
 TEST(Source, AMemberLeftOverGetsALittlePacketByItselfAndALargeOneByANewTree) {
   Root root;
   root.send(1, 500, {kC});
-  root.source.left_over(root.own, {{kC}, "refused", false});
+  root.source.left_over(root.own, {{kC}, "refused", false}, 1s);
   auto ends = root.source.take_ends();
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_TRUE(ends[0].by_copy);
-  EXPECT_FALSE(root.source.wants_tree_anew(root.own));
+  EXPECT_FALSE(root.source.wants_tree_anew(root.own, 1s));
 
   root.send(2, 100'000, {kA, kC});
-  root.source.left_over(root.own, {{kC}, "refused", false});
+  root.source.left_over(root.own, {{kC}, "refused", false}, 1s);
   EXPECT_TRUE(root.source.take_ends().empty());
-  EXPECT_EQ(root.source.wants_tree_anew(root.own), (std::set<MacAddress>{kA, kB, kC}));
-  EXPECT_FALSE(root.source.wants_tree_anew(root.own)) << "asked once";
-  root.source.left_over(root.own, {{kC}, "refused", false});
+  EXPECT_EQ(root.source.wants_tree_anew(root.own, 1s), (std::set<MacAddress>{kA, kB, kC}));
+  EXPECT_FALSE(root.source.wants_tree_anew(root.own, 1s)) << "asked once";
+  root.source.left_over(root.own, {{kC}, "refused", false}, 1s);
   ends = root.source.take_ends();
   ASSERT_EQ(ends.size(), 1u) << "the second time";
   EXPECT_TRUE(ends[0].by_copy);
+}
+
+/// Under steady traffic some are always on their way.
+TEST(Source, AStaleTreeIsRenewedThoughPacketsAreOnTheirWay) {
+  Root root;
+  const auto lose = [&](const MacAddress& member, Time now) {
+    root.source.left_over(root.own, {{member}, "refused", false}, now);
+  };
+  const auto reach = [&](const std::set<MacAddress>& members) {
+    for (auto& [number, transfer] : root.own.streams[kStream].transfers) root.source.reached(transfer, members);
+    Source::remove_finished(root.own);
+  };
+  root.send(1, 500, {kA, kB, kC});
+  reach({kC});
+  root.send(2, 500, {kA, kC});
+  lose(kC, 1s);
+  EXPECT_TRUE(root.source.wants_fresh_tree(root.own));
+  EXPECT_EQ(root.source.fresh_tree(root.own, {kC}, 1s), (std::set<MacAddress>{kA, kB, kC})) << "who awaits something";
+  EXPECT_FALSE(root.source.wants_fresh_tree(root.own));
+
+  reach({kC});
+  root.send(3, 500, {kC});
+  lose(kC, 2s);
+  EXPECT_FALSE(root.source.wants_fresh_tree(root.own)) << "those on their way have borne one already";
+  reach({kA, kB});
+  EXPECT_TRUE(root.source.wants_fresh_tree(root.own));
+}
+
+TEST(Source, AMemberThatAFreshTreeDoesNotReachGetsNoOtherForAWhile) {
+  Root root;
+  const auto lose_a_packet = [&](SendId id, Time now) {
+    root.send(id, 500, {kC});
+    root.source.left_over(root.own, {{kC}, "refused", false}, now);
+    Source::remove_finished(root.own);
+    return root.source.wants_fresh_tree(root.own);
+  };
+  EXPECT_FALSE(lose_a_packet(1, 1s));
+  EXPECT_FALSE(lose_a_packet(2, 2s));
+  EXPECT_TRUE(lose_a_packet(3, Source::kLeftOut)) << "by now robots have moved";
 }
 
 TEST(Source, OnlyAPacketNotBegunIsReplaced) {

@@ -174,6 +174,17 @@ TEST(RequestLoad, IsHeavyWhileRequestsComeThickAndFast) {
   EXPECT_FALSE(load.heavy(now + routing::RequestLoad::kWindow));
   for (int i = 0; i < 1000; ++i) load.heard(now += 3 * gap);
   EXPECT_FALSE(load.heavy(now));
+  EXPECT_FALSE(load.full(now));
+}
+
+TEST(RequestLoad, IsFullWithTwiceAsMany) {
+  routing::RequestLoad load;
+  for (std::size_t i = 1; i < routing::RequestLoad::kFull; ++i) load.heard(1s);
+  EXPECT_TRUE(load.heavy(1s));
+  EXPECT_FALSE(load.full(1s));
+  load.heard(1s);
+  EXPECT_TRUE(load.full(1s));
+  EXPECT_FALSE(load.full(1s + routing::RequestLoad::kWindow));
 }
 
 /// What the node does with a request of which several neighbours have none, after so many others.

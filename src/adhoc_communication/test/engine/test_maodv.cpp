@@ -423,6 +423,66 @@ TEST(Trees, B7_1_OnlyALargePacketIsWorthANewTreeAtOnce) {
   EXPECT_GE(epochs_for(100'000), 1u);
 }
 
+/// Two relays between the root and the last two of the team, one behind the other: the first of these is bound.
+struct TwoWays {
+  explicit TwoWays(std::uint64_t seed) : team(lossy(), seed) {
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), {7.0, 4.0}, {7.0, -4.0}, {14.0, 0.0}, {22.0, 0.0}}) {
+      team.add({}, x, y);
+    }
+    team.run_for(5s);
+    team.on_transmission = [this](std::size_t robot, const Frame& frame) {
+      const bool data = frame.bytes[1] == static_cast<std::uint8_t>(FrameType::kData);
+      copies += robot == 0 && data && frame.bytes.size() > 1000;
+    };
+  }
+  static MediumOptions lossy() {
+    MediumOptions medium;
+    medium.loss = 0.2;
+    medium.bit_rate = 2e6;
+    return medium;
+  }
+  void send_for(Time duration) {
+    for (const Time end = team.now() + duration; team.now() < end; team.run_for(20ms)) {
+      sent.push_back(team.send(0, "mc_robot_0", noise(1000, sent.size())));
+    }
+  }
+  /// Between robot 3 and whoever is above it.
+  void break_link() {
+    for (const std::size_t relay : {1u, 2u}) {
+      if (tree_of_robot_0(team).at(Team::address(3)).upstream == Team::address(relay)) {
+        team.medium().set_link_loss(relay, 3, 1.0);
+      }
+    }
+  }
+  Team team;
+  std::vector<SendId> sent;
+  int copies = 0;  ///< frames of packets for one member
+};
+
+/// Of packets that follow each other closely one is always open, and one on its way to whoever is served by itself.
+/// While that was so no tree was built anew, and the tree left out whoever had lost its place.
+TEST(Trees, B7_1_WhoHasLostItsPlaceGetsAnotherWhilePacketsFollowEachOther) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    TwoWays line(seed);
+    line.send_for(1s);
+    line.break_link();
+    line.send_for(3s);
+    EXPECT_GT(line.copies, 0);
+    line.copies = 0;
+    line.send_for(2s);
+    EXPECT_EQ(line.copies, 0) << "seed " << seed;
+    for (const SendId id : line.sent) {
+      ASSERT_TRUE(finish(line.team, 0, id) && line.team.finished(0, id)->delivered) << "seed " << seed;
+    }
+    for (const std::size_t robot : {3u, 4u}) {
+      ASSERT_EQ(line.team.received(robot).size(), line.sent.size()) << "seed " << seed;
+      for (std::size_t i = 0; i < line.sent.size(); ++i) {
+        ASSERT_EQ(line.team.received(robot)[i].packet.payload, noise(1000, i)) << "in order";
+      }
+    }
+  }
+}
+
 /// A line of 4 of which only the given robots are in the group of robot 0.
 struct Members {
   explicit Members(const std::vector<std::size_t>& members) {

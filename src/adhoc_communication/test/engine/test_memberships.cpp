@@ -19,7 +19,7 @@ constexpr char kGroup[] = "mc_root";
 const MacAddress kRoot = {2, 0, 0, 0, 0, 1};
 
 struct Fixture {
-  explicit Fixture(bool automatic) : memberships(directory, automatic, 10) {}
+  explicit Fixture(bool automatic) : memberships(directory, load, automatic, 10) {}
   void root_is_heard(Time now) { directory.life_sign(kRoot, "root", 1, ++alive, 1, kRoot, false, now); }
   std::vector<Kind> words() {
     std::vector<Kind> kinds;
@@ -28,6 +28,7 @@ struct Fixture {
   }
   routing::LivingRuns runs;
   routing::RobotDirectory directory{runs, "self"};
+  routing::RequestLoad load;
   std::uint32_t alive = 0;
   Memberships memberships;
 };
@@ -168,6 +169,26 @@ TEST(Memberships, JoinsThatTakeLongMakeRoomForOthers) {
   const int quick = joins_of(Memberships::kSlowJoin / 2);
   EXPECT_GE(quick, 10s / (Crowd::kRoots * Memberships::kJoinSpacing));
   EXPECT_LE(joins_of(2 * Memberships::kSlowJoin), quick / 3);
+}
+
+/// The slow ones alone told it: by the time that enough of them had ended, hundreds of others were under way.
+TEST(Memberships, WhileSearchesFillTheAirJoinsAreRare) {
+  Crowd robot;
+  std::vector<Time> begun;
+  for (Time now = 1s; now < 31s; now += 10ms) {
+    const bool crowded = now < 21s;
+    for (std::size_t i = 0; crowded && i < routing::RequestLoad::kFull / 99; ++i) robot.load.heard(now);
+    robot.memberships.expire(now);
+    for (const Word& word : robot.memberships.take_words()) {
+      begun.push_back(now);
+      robot.memberships.said({Kind::kJoin, word.group}, true, {}, now + 1ms);
+    }
+  }
+  const auto later = std::find_if(begun.begin(), begun.end(), [](Time at) { return at >= 3s; });
+  const auto after = std::find_if(later, begun.end(), [](Time at) { return at >= 21s; });
+  EXPECT_LE(after - later, 18s / Memberships::kLongestSpacing + 1);
+  EXPECT_GE(after - later, 3) << "all are joined some day";
+  EXPECT_EQ(begun.size(), static_cast<std::size_t>(Crowd::kRoots));
 }
 
 /// Robots that are there, near by, and never answer took every turn: nobody else was joined for ever.
@@ -354,7 +375,7 @@ TEST(OwnGroup, ALostMemberComesBackOnlyAsTheSameRun) {
 TEST(OwnGroup, ARunThatJoinsBeforeTheFormerIsLostStays) {
   OwnGroup group(1000);
   group.admit("a", 7);
-  group.copy_started("a");
+  group.copy_started("a", packet(1, 100, 0s));
   EXPECT_EQ(group.admit("a", 8), OwnGroup::Admission::kRestarted);
   EXPECT_FALSE(group.served_by_copies("a")) << "those were for the former run";
   EXPECT_FALSE(group.lose("a", 7));
@@ -399,12 +420,33 @@ TEST(OwnGroup, HasTheMembersThatOneActivationNames) {
 TEST(OwnGroup, ServesAMemberByCopiesUntilTheLastHasEnded) {
   OwnGroup group(1000);
   group.admit("a", 7);
-  group.copy_started("a");
-  group.copy_started("a");
-  group.copy_finished("a");
+  group.copy_started("a", packet(1, 100, 0s));
+  group.copy_started("a", packet(2, 100, 0s));
+  group.copy_finished("a", 0, 1);
   EXPECT_TRUE(group.served_by_copies("a"));
-  group.copy_finished("a");
+  group.copy_finished("a", 0, 2);
   EXPECT_FALSE(group.served_by_copies("a"));
+}
+
+/// Where packets follow each other closely, one is always on its way.
+TEST(OwnGroup, AnotherTreeTakesAMemberBackWhoseCopiesAreNotLate) {
+  OwnGroup group(1000);
+  group.admit("a", 7);
+  group.copy_started("a", packet(1, 100, 0s));
+  group.take_back_punctual(100ms);
+  EXPECT_TRUE(group.served_by_copies("a")) << "it is the tree that has left it out";
+  group.tree_built();
+  group.copy_started("a", packet(2, 100, 200ms));
+  group.take_back_punctual(OwnGroup::kPunctual);
+  EXPECT_TRUE(group.served_by_copies("a")) << "what comes along the tree would wait for the first one";
+  group.copy_finished("a", 0, 1);
+  group.take_back_punctual(OwnGroup::kPunctual);
+  EXPECT_FALSE(group.served_by_copies("a"));
+
+  group.copy_started("a", packet(3, 100, 1s));
+  group.copy_finished("a", 0, 2);
+  group.take_back_punctual(1s);
+  EXPECT_TRUE(group.served_by_copies("a")) << "the new one has left it out, too";
 }
 
 TEST(OwnGroup, KeepsPacketsForNewcomersWhileTheyAreOfUse) {
