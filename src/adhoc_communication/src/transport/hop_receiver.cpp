@@ -8,16 +8,15 @@ namespace {
 /// Fewer are acknowledged soon: what is not may go a second way if the link dies.
 constexpr int kFewFrames = 3;
 
-constexpr Time kLongestDelay = std::chrono::milliseconds(60);
 constexpr int kQuietFrames = 8;
-constexpr int kFramesHeldBack = 24;
+constexpr int kFramesHeldBack = 3 * kQuietFrames;
 
 }  // namespace
 
 AcknowledgmentDelays AcknowledgmentDelays::of(Time frame) {
   AcknowledgmentDelays delays;
-  delays.longest = std::clamp(kFramesHeldBack * frame, delays.longest, kLongestDelay);
-  delays.quiet = std::clamp(kQuietFrames * frame, delays.quiet, delays.longest);
+  delays.longest = std::clamp(kFramesHeldBack * frame, kLongest, kMostHeld);
+  delays.quiet = std::clamp(kQuietFrames * frame, kQuiet, delays.longest);
   return delays;
 }
 

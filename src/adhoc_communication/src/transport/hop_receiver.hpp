@@ -14,8 +14,12 @@ constexpr std::size_t kAcknowledgmentOctets = wire::kHeaderSize + 36 + wire::kCh
 
 /// How long an acknowledgment is held back that nobody asked for.
 struct AcknowledgmentDelays {
-  Time quiet = std::chrono::milliseconds(3);     ///< without a further frame
-  Time longest = std::chrono::milliseconds(10);  ///< since the first frame
+  static constexpr Time kQuiet = std::chrono::milliseconds(3);
+  static constexpr Time kLongest = std::chrono::milliseconds(10);
+  static constexpr Time kMostHeld = std::chrono::milliseconds(60);
+
+  Time quiet = kQuiet;      ///< without a further frame
+  Time longest = kLongest;  ///< since the first frame
 
   /// Where frames come as slowly as they do on a route whose hops share a slow channel, one for each would cost more
   /// air than it saves. `frame`: air time of one of full size; 0: not known.

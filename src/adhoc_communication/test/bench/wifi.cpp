@@ -11,7 +11,8 @@ namespace adhoc_communication::bench {
 namespace {
 
 constexpr std::size_t kFullFrame = 1500;
-constexpr int kFirstKill = 5001;  ///< seed; how many frames a silent neighbour gets was chosen on 1 to 120
+constexpr int kFirstGoodput = 101;  ///< seed; how busy a radio is kept was chosen on 1 to 10
+constexpr int kFirstKill = 5001;    ///< seed; how many frames a silent neighbour gets was chosen on 1 to 120
 
 double rate_at(double distance, const MediumOptions& medium) {
   return unicast_bit_rate(medium.rates.unicast, 40.0 * std::log10(medium.range / distance));
@@ -33,7 +34,7 @@ Row goodput_row(std::size_t hops, double spacing, double loss, int seeds) {
   const double bit_rate = rate_at(spacing, medium);
   const double capacity = saturated(bit_rate, medium);
   std::vector<double> shares;
-  for (int seed = 1; seed <= seeds; ++seed) {
+  for (int seed = kFirstGoodput; seed < kFirstGoodput + seeds; ++seed) {
     shares.push_back(goodput(hops, spacing, medium, static_cast<std::uint64_t>(seed)) / capacity);
   }
   const double left = left_by_acknowledgments(bit_rate, medium);

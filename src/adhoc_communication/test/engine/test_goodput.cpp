@@ -147,8 +147,8 @@ TEST(HopReceiver, AcknowledgesWhenFramesStopOrAreMany) {
   EXPECT_EQ(due_after({100ms, 101ms, 102ms, 104500us, 107200us}), 110ms) << "10 ms after the first";
 }
 
-/// At 12 Mbit/s every third frame was acknowledged on a route of two hops, and on Wi-Fi each of these destroyed frames of
-/// the robot before the relay, which does not hear them.
+/// At 12 Mbit/s every third frame was acknowledged on a route of two hops, and on Wi-Fi each of these destroyed frames
+/// of the robot before the relay, which does not hear them.
 TEST(HopReceiver, AcknowledgesNoMoreOftenWhereFramesComeSlowly) {
   HopReceiver receiver(1);
   receiver.delay(AcknowledgmentDelays::of(1340us));
@@ -162,11 +162,10 @@ TEST(HopReceiver, AcknowledgesNoMoreOftenWhereFramesComeSlowly) {
 }
 
 TEST(HopReceiver, HoldsAcknowledgmentsBackByTheUsualTimeOnAFastRadio) {
-  const AcknowledgmentDelays usual;
   for (const Time frame : {Time(0), Time(300us)}) {
     const AcknowledgmentDelays delays = AcknowledgmentDelays::of(frame);
-    EXPECT_EQ(delays.quiet, usual.quiet);
-    EXPECT_EQ(delays.longest, usual.longest);
+    EXPECT_EQ(delays.quiet, AcknowledgmentDelays::kQuiet);
+    EXPECT_EQ(delays.longest, AcknowledgmentDelays::kLongest);
   }
   EXPECT_LE(AcknowledgmentDelays::of(15ms).longest, 60ms) << "on the slowest one";
 }
@@ -202,9 +201,9 @@ TEST(HopSender, TheTimerWaitsForAnAcknowledgmentHeldBackByFurtherFrames) {
     sender.heard(now);
     sender.expire(now);
     if (sender.unresolved() < HopSender::kMostUnresolved) send(now);
-    if (now < alone + AcknowledgmentDelays{}.longest) EXPECT_FALSE(sender.has_resend(0)) << now / 1us;
+    if (now < alone + AcknowledgmentDelays::kLongest) EXPECT_FALSE(sender.has_resend(0)) << now / 1us;
   }
-  sender.expire(alone + AcknowledgmentDelays{}.longest);
+  sender.expire(alone + AcknowledgmentDelays::kLongest);
   EXPECT_TRUE(sender.has_resend(0)) << "not put off without end";
 }
 
@@ -318,7 +317,7 @@ TEST_F(EagerSender, AsksAgainAsSoonAsTheAnswerToASingleFrameIsOverdue) {
 
 TEST_F(EagerSender, CountsOnTheQuietOfTheReceiver) {
   start(false);
-  EXPECT_EQ(wait(), AcknowledgmentDelays{}.quiet + HopSender::kShortestWait);
+  EXPECT_EQ(wait(), AcknowledgmentDelays::kQuiet + HopSender::kShortestWait);
 }
 
 /// Up to four questions stood in one window, each of which was answered.
