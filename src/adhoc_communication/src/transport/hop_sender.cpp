@@ -10,6 +10,7 @@ constexpr int kOutcomesThatMatter = 32;
 constexpr int kFewestOutcomes = 8;
 constexpr double kAnswerMissing = 0.5;  ///< counts as so much of a loss: it may be the answer that was lost
 constexpr int kExpiriesPerDoubling = 4;
+constexpr int kAnswersMissed = 4;           ///< in a row, that a lossy link explains
 constexpr std::size_t kManyUnresolved = 4;  ///< so that acknowledgments may be held back
 constexpr Time kOutcomesAge = std::chrono::seconds(10);
 
@@ -164,11 +165,15 @@ void HopSender::excuse_silence(Time now) {
   }
 }
 
-/// Of the window that is full, so that nothing else could be sent meanwhile; or of the latest transmission, which the
-/// receiver acknowledges when no other one follows. Twice as late each time, until that is no sooner than the timer.
+/// Of the window that is full, so that nothing else could be sent meanwhile: twice as late each time after several, or
+/// the radio would be full of repetitions for a neighbour that is gone. Or of the latest transmission, which the
+/// receiver acknowledges when no other one follows: twice as late each time, until that is no sooner than the timer.
 Time HopSender::answer_overdue() const {
   if (unresolved_.empty() || has_lost()) return Time::max();
-  if (window_full()) return question_->asked + std::max(answer_.timeout(), patience_);
+  if (window_full()) {
+    const int doublings = std::clamp(overdue_ - kAnswersMissed, 0, 6);
+    return question_->asked + std::max(answer_.timeout() * (1 << doublings), patience_);
+  }
   const Time wait = answer_.timeout() * (1 << std::min(overdue_, 6));
   if (!eager_ || wait >= timer()) return Time::max();
   return latest_ + (unresolved_.back().asks ? Time(0) : delays_.quiet) + wait;

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t kFullFrame = 1500;
 constexpr int kFirstGoodput = 101;  ///< seed; how busy a radio is kept was chosen on 1 to 10
-constexpr int kFirstKill = 5001;    ///< seed; how many frames a silent neighbour gets was chosen on 1 to 120
+constexpr int kFirstKill =
+    6001;  ///< seed; what a silent neighbour gets was chosen on 1 to 120 and looked at up to 5300
 
 double rate_at(double distance, const MediumOptions& medium) {
   return unicast_bit_rate(medium.rates.unicast, 40.0 * std::log10(medium.range / distance));

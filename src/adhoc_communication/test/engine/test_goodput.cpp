@@ -338,6 +338,40 @@ TEST(HopSender, WhereTheRadioRepeatsOneQuestionIsEnoughUntilTheWindowIsFull) {
   }
 }
 
+/// On Wi-Fi, whose radio repeats each for 20 ms, a frame every 4 ms for a neighbour that was gone stood before the
+/// request for another way: it left the radio after the search had ended.
+TEST(HopSender, AFullWindowThatNobodyAnswersIsRepeatedMoreAndMoreSeldom) {
+  HopSender sender(1, 100);
+  std::uint64_t counter = 0;
+  Time now = 0ms;
+  const auto ask = [&] {
+    if (sender.pressing()) sender.ask(counter, now);
+  };
+  // Answers that are asked for come after 4 ms, others are held back.
+  for (; counter < 60; now += 1ms) {
+    const bool asked = counter < 20;
+    sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now);
+    if (asked) sender.ask(counter, now);
+    now += asked ? 4ms : 100ms;
+    sender.heard(now);
+    sender.acknowledged({{}, counter, 0, 0, static_cast<std::uint32_t>(counter), ~std::uint64_t{0}}, now);
+  }
+  while (sender.may_start()) {
+    sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now);
+    ask();
+  }
+  const std::uint64_t filled = counter;
+  for (const Time end = now + 100ms; now < end; now += 500us) {
+    sender.expire(now);
+    while (sender.has_resend(0) && sender.may_resend()) {
+      sender.resend(0, {}, ++counter, now);
+      ask();
+    }
+  }
+  EXPECT_LT(counter - filled, 16) << "a window's frames once at most, not one each 4 ms";
+  EXPECT_GE(counter - filled, 4) << "of a lossy link, a few are repeated soon";
+}
+
 TEST_F(EagerSender, LeavesASharedChannelAlone) {
   sender.be_eager(false);
   start();
