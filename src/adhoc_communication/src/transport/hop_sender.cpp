@@ -165,13 +165,14 @@ void HopSender::excuse_silence(Time now) {
   }
 }
 
-/// Of the window that is full, so that nothing else could be sent meanwhile: twice as late each time after several, or
-/// the radio would be full of repetitions for a neighbour that is gone. Or of the latest transmission, which the
-/// receiver acknowledges when no other one follows: twice as late each time, until that is no sooner than the timer.
+/// Of the window that is full, so that nothing else could be sent meanwhile: twice as late each time after several
+/// where the radio may repeat, or it would be full of repetitions for a neighbour that is gone. Or of the latest
+/// transmission, which the receiver acknowledges when no other one follows: twice as late each time, until that is no
+/// sooner than the timer.
 Time HopSender::answer_overdue() const {
   if (unresolved_.empty() || has_lost()) return Time::max();
   if (window_full()) {
-    const int doublings = std::clamp(overdue_ - kAnswersMissed, 0, 6);
+    const int doublings = sparing_ ? std::clamp(overdue_ - kAnswersMissed, 0, 6) : 0;
     return question_->asked + std::max(answer_.timeout() * (1 << doublings), patience_);
   }
   const Time wait = answer_.timeout() * (1 << std::min(overdue_, 6));

@@ -342,6 +342,7 @@ TEST(HopSender, WhereTheRadioRepeatsOneQuestionIsEnoughUntilTheWindowIsFull) {
 /// request for another way: it left the radio after the search had ended.
 TEST(HopSender, AFullWindowThatNobodyAnswersIsRepeatedMoreAndMoreSeldom) {
   HopSender sender(1, 100);
+  sender.be_sparing(true);
   std::uint64_t counter = 0;
   Time now = 0ms;
   const auto ask = [&] {
