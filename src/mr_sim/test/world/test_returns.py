@@ -1,4 +1,4 @@
-"""What models return to lasers and to robots that drive into them: `ranger_return`, `laser_return`, `obstacle_return`,
+"""What models return to lasers and to robots that drive into them: `ranger_return`, `obstacle_return`,
 through definitions, models in models and parts of robots, as Stage 4.3 has it: each model's own words count."""
 
 import pytest
