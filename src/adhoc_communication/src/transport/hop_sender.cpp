@@ -10,7 +10,7 @@ constexpr int kOutcomesThatMatter = 32;
 constexpr int kFewestOutcomes = 8;
 constexpr double kAnswerMissing = 0.5;  ///< counts as so much of a loss: it may be the answer that was lost
 constexpr int kExpiriesPerDoubling = 4;
-constexpr int kAnswersMissed = 4;           ///< in a row, that a lossy link explains
+constexpr int kAnswersMissed = 8;           ///< in a row, that a lossy link explains
 constexpr std::size_t kManyUnresolved = 4;  ///< so that acknowledgments may be held back
 constexpr Time kOutcomesAge = std::chrono::seconds(10);
 
