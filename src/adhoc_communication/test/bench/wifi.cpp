@@ -11,9 +11,8 @@ namespace adhoc_communication::bench {
 namespace {
 
 constexpr std::size_t kFullFrame = 1500;
-constexpr int kFirstGoodput = 101;  ///< seed; how busy a radio is kept was chosen on 1 to 10
-constexpr int kFirstKill =
-    6001;  ///< seed; what a silent neighbour gets was chosen on 1 to 120 and looked at up to 5300
+// First seeds: how busy a radio is kept was chosen on 1 to 10, what a silent neighbour gets was looked at up to 5300.
+constexpr int kFirstGoodput = 101, kFirstKill = 6001;
 
 double rate_at(double distance, const MediumOptions& medium) {
   return unicast_bit_rate(medium.rates.unicast, 40.0 * std::log10(medium.range / distance));

@@ -4,7 +4,6 @@
 import itertools
 import math
 import queue
-import subprocess
 import sys
 import unittest
 
@@ -13,6 +12,7 @@ import rostest
 import tf2_ros
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
+from programs import refused
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
@@ -146,30 +146,21 @@ class RobotNodeTest(unittest.TestCase):
 
 
 class BadParameterTest(unittest.TestCase):
-    def refused(self, *arguments):
-        """Output of a node that must refuse to start."""
-        program = subprocess.run(
-            ["rosrun", "mr_sim", "robot", "__name:=refused", *arguments], capture_output=True, text=True, timeout=60
-        )
-        self.assertEqual(program.returncode, 1)
-        self.assertNotIn("Traceback", program.stdout + program.stderr)
-        return program.stderr
-
     def test_missing_socket(self):
-        self.assertIn("~socket is not set", self.refused())
+        self.assertIn("~socket is not set", refused(self, "robot"))
 
     def test_wrong_type(self):
-        error = self.refused("_socket:=/tmp/x", "_connect_timeout:=soon")
+        error = refused(self, "robot", "_socket:=/tmp/x", "_connect_timeout:=soon")
         self.assertIn("~connect_timeout must be of type float", error)
 
     def test_nobody_listens(self):
-        error = self.refused("_socket:=/nonexistent/world", "_connect_timeout:=0.0")
+        error = refused(self, "robot", "_socket:=/nonexistent/world", "_connect_timeout:=0.0")
         self.assertIn("no world listens on /nonexistent/world", error)
 
     def test_unknown_and_used_robot_name(self):
         socket = rospy.get_param("/robot/socket")
-        self.assertIn("is connected already", self.refused(f"_socket:={socket}", "_robot_name:=robot_0"))
-        self.assertIn('no robot "nobody"', self.refused(f"_socket:={socket}", "_robot_name:=nobody"))
+        self.assertIn("is connected already", refused(self, "robot", f"_socket:={socket}", "_robot_name:=robot_0"))
+        self.assertIn('no robot "nobody"', refused(self, "robot", f"_socket:={socket}", "_robot_name:=nobody"))
 
 
 class Suite(unittest.TestSuite):

@@ -2,7 +2,6 @@
 """stageros with one robot: names, service, parameters, intensities."""
 
 import queue
-import subprocess
 import sys
 import unittest
 
@@ -10,6 +9,7 @@ import rospy
 import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
+from programs import refused
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty
 
@@ -85,22 +85,13 @@ class OneRobotTest(unittest.TestCase):
 
 
 class ProgramTest(unittest.TestCase):
-    def refused(self, *arguments):
-        """What a program says that must not start."""
-        program = subprocess.run(
-            ["rosrun", "mr_sim", "stageros", "__name:=refused", *arguments], capture_output=True, text=True, timeout=60
-        )
-        self.assertEqual(program.returncode, 1)
-        self.assertNotIn("Traceback", program.stdout + program.stderr)
-        return program.stderr
-
     def test_bad_parameter(self):
-        error = self.refused("-g", "_base_watchdog_timeout:=soon", "small8x8")
+        error = refused(self, "stageros", "-g", "_base_watchdog_timeout:=soon", "small8x8")
         self.assertIn("stageros: ~base_watchdog_timeout must be a number of seconds", error)
         rospy.delete_param("/refused")
 
     def test_what_does_nothing_is_named_once(self):
-        error = self.refused("-g", "--clock", "_is_depth_canonical:=true", "_robots:=9", "small8x8")
+        error = refused(self, "stageros", "-g", "--clock", "_is_depth_canonical:=true", "_robots:=9", "small8x8")
         warning = "without effect here: parameters ~is_depth_canonical; arguments --clock"
         self.assertEqual(error.count(warning), 1)
         self.assertIn("asked for 9", error)
