@@ -35,6 +35,8 @@ class Child {
   bool takes() const { return !done_ && !no_room_since_; }
   /// It misses something of the block, or may do so.
   bool misses(std::size_t block) const { return missing_[block] != 0; }
+  /// Of those behind it that is not known.
+  bool misses_nothing() const;
   /// What it said counts everything that was sent of the block.
   bool knows(std::size_t block) const;
   /// As reported: how many frames, or which; knows() holds.
@@ -61,8 +63,6 @@ class Child {
 
   void learn(std::size_t block, std::uint8_t missing, std::uint16_t round, Time now);
   void know_nothing();
-  bool misses_nothing() const;
-
   std::vector<std::uint16_t> sent_in_;   ///< by block: round of the newest symbol that went to it
   std::vector<std::uint8_t> missing_;    ///< by block; kUnknown at first
   std::vector<std::uint16_t> known_in_;  ///< by block: round that `missing_` counts

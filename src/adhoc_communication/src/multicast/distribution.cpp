@@ -287,7 +287,13 @@ void Distribution::fresh_parity(std::size_t block, const std::map<MacAddress, st
   }
 }
 
-std::vector<MacAddress> Distribution::poll(Time now) {
+void Distribution::add_open(std::set<MacAddress>& children) const {
+  for (const auto& [address, child] : children_) {
+    if (!child.done()) children.insert(address);
+  }
+}
+
+std::vector<MacAddress> Distribution::poll(const std::set<MacAddress>& behind, Time now) {
   std::vector<MacAddress> to_ask;
   if (rounds_.overdue(now)) awaited_ = 0;
   if (has_frame() || !packet_.complete()) return to_ask;
@@ -298,7 +304,7 @@ std::vector<MacAddress> Distribution::poll(Time now) {
   for (auto& [address, child] : children_) {
     if (child.done() || now < child.due()) continue;
     child.asked_by_itself(now);
-    to_ask.push_back(address);
+    if (!child.misses_nothing() || behind.count(address) == 0) to_ask.push_back(address);
   }
   return to_ask;
 }

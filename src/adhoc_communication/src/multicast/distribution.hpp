@@ -10,6 +10,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "multicast/carriage.hpp"
@@ -60,8 +61,11 @@ class Distribution {
 
   /// The answer of a child. True when all behind it have the packet.
   bool reported(const MacAddress& child, const wire::GroupReport& report, bool covers_all, Time now);
-  /// Plans repairs whose answers are in or overdue. Returns the children to ask by themselves.
-  std::vector<MacAddress> poll(Time now);
+  /// Plans repairs whose answers are in or overdue. Returns the children to ask by themselves. `behind`: those that
+  /// have not come to the end of an earlier packet, and so cannot have come to that of this one.
+  std::vector<MacAddress> poll(const std::set<MacAddress>& behind, Time now);
+  /// Adds the children that have not come to the end of it.
+  void add_open(std::set<MacAddress>& children) const;
   /// Children without progress for too long.
   std::vector<MacAddress> stuck(Time now) const;
   Time next_deadline() const;

@@ -145,12 +145,14 @@ void Distributor::poll(Time now) {
 
 void Distributor::serve(const MacAddress& root, Branch& branch, Time now) {
   for (std::uint8_t stream = 0; stream < transport::kPriorities; ++stream) {
+    std::set<MacAddress> behind;
     for (auto& [number, transfer] : branch.streams[stream].transfers) {
       const Place place{root, branch, stream, number, transfer};
       sink_.tell_complete(place, now);
       sink_.report_if_due(place, now);
-      trees_.give_up(root, branch.tree, downlink_.ask(place, base_of(place), now));
+      trees_.give_up(root, branch.tree, downlink_.ask(place, base_of(place), behind, now));
       settle(now);
+      transfer.to_children->add_open(behind);
     }
   }
 }

@@ -11,9 +11,10 @@ MacAddress previous_hop_of(const Branch& branch) { return branch.tree.upstream.v
 
 }  // namespace
 
-std::vector<MacAddress> Downlink::ask(const Place& place, std::uint32_t base, Time now) {
+std::vector<MacAddress> Downlink::ask(const Place& place, std::uint32_t base, const std::set<MacAddress>& behind,
+                                      Time now) {
   Distribution& to_children = *place.transfer.to_children;
-  const std::vector<MacAddress> silent = to_children.poll(now);
+  const std::vector<MacAddress> silent = to_children.poll(behind, now);
   if (silent.empty()) return {};
   std::vector<MacAddress> stuck = to_children.stuck(now);
   if (!stuck.empty()) return stuck;

@@ -24,7 +24,7 @@ class Downlink {
 
   /// Asks children that owe an answer. Returns those that are of no use any more.
   /// `base`: the packets before are finished at the root.
-  std::vector<MacAddress> ask(const Place& place, std::uint32_t base, Time now);
+  std::vector<MacAddress> ask(const Place& place, std::uint32_t base, const std::set<MacAddress>& behind, Time now);
   bool has_frame(std::uint8_t priority) const;
   /// From whom the frames come that wait; all zero for those of the own group.
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;

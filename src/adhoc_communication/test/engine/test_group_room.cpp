@@ -153,11 +153,39 @@ TEST(GroupRoom, IsGivenUpAfterAMinute) {
   int questions = 0;
   Time now = 0s;
   for (; distribution.stuck(now).empty() && now < 100s; now = distribution.next_deadline()) {
-    questions += static_cast<int>(distribution.poll(now).size());
+    questions += static_cast<int>(distribution.poll({}, now).size());
     distribution.reported(child, report, false, now);
   }
   EXPECT_NEAR(static_cast<double>(now.count()) * 1e-9, 60.0, 0.2);
   EXPECT_NEAR(questions, 600, 10);
+}
+
+/// Each packet that somebody far behind a child misses would otherwise be asked for by itself.
+TEST(GroupQuestions, OfSeveralPacketsWhoseEndIsAwaitedTheFirstIsAskedFor) {
+  transport::RoundTrip round_trip(30ms, 10ms, 200ms);
+  const multicast::GroupPacket packet(noise(400), 500);
+  const MacAddress child{{2}};
+  const air::AirClock air(1500);
+  const Timings timings = robot_timings();
+  const routing::Neighbors neighbors(timings, 250ms);
+  const multicast::Carriage carriage(air, neighbors);
+  const auto questions = [&](const std::set<MacAddress>& behind, bool has_it_itself) {
+    multicast::Distribution distribution(packet, round_trip, 0);
+    distribution.set_children({{child, 0}}, true, 0s);
+    while (distribution.has_frame()) distribution.next(carriage, 0s);
+    wire::GroupReport report;
+    report.round = 1;
+    report.first_block = 1;
+    if (has_it_itself) distribution.reported(child, report, false, 1ms);
+    std::size_t asked = 0;
+    for (Time now = 0s; now < 5s; now = std::max(distribution.next_deadline(), now + 1ms)) {
+      asked += distribution.poll(behind, now).size();
+    }
+    return asked;
+  };
+  EXPECT_GE(questions({}, true), 2u);
+  EXPECT_EQ(questions({child}, true), 0u) << "an earlier packet is open there";
+  EXPECT_GE(questions({child}, false), 10u) << "it misses the packet itself";
 }
 
 /// Of a packet, as the root's neighbour passes it on.
