@@ -56,7 +56,7 @@ wire::Data data_segment(std::uint32_t index, Bytes octets) {
 
 wire::GroupData group_data(Bytes octets, std::uint8_t symbol) {
   const auto total = static_cast<std::uint32_t>(image().size());
-  return {kAlice, 0xa1, 2, true, false, 1, 5, 31, 30, total, kSegmentSize, 0, symbol, std::move(octets)};
+  return {kAlice, 0xa1, 2, true, false, false, 1, 5, 31, 30, total, kSegmentSize, 0, symbol, std::move(octets)};
 }
 
 void write_samples(const std::string& path) {
@@ -84,6 +84,11 @@ void write_samples(const std::string& path) {
   sample.add(FrameType::kGroupReport,
              wire::GroupReport{kAlice, 0xa1, 2, 31, 7, 5, true, 98, 1300, 0xc0ffee, 4, {3, 0}});
   sample.add(FrameType::kRouteReplyAcknowledgment, Bytes{});
+  wire::GroupData flooded = group_data(image(), 0);
+  flooded.report = false;
+  flooded.flooded = true;
+  sample.add(FrameType::kGroupData, flooded);
+  sample.add(FrameType::kGroupReceipts, wire::GroupReceipts{{{kAlice, 0xa1, 2, kBob, 32, 0}, {kAlice, 0xa1, 2, kCarol, 31, 1}}});
 
   Bytes sealed;
   wire::Writer writer(sealed);

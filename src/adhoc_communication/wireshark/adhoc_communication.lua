@@ -18,7 +18,7 @@ local TYPES = {
   [1] = "Beacon", [2] = "Route request", [3] = "Route reply", [4] = "Route error", [5] = "Hop acknowledgment",
   [6] = "Data", [7] = "Transport acknowledgment", [8] = "Broadcast data", [9] = "Flood", [10] = "Group activation",
   [11] = "Group refusal", [12] = "Group data", [13] = "Group report",
-  [14] = "Route reply acknowledgment",
+  [14] = "Route reply acknowledgment", [15] = "Group receipts",
 }
 local PRIORITIES = { [0] = "control", [1] = "position", [2] = "normal", [3] = "bulk" }
 local PACKET_KINDS = {
@@ -127,7 +127,10 @@ local f = {
   member = ProtoField.ether("adhoc.member", "Member"),
   group_report = ProtoField.bool("adhoc.stream.report", "Asks for a report", 8, YES_NO, 0x80),
   group_follows = ProtoField.bool("adhoc.stream.follows", "Follows the frame before without a gap", 8, YES_NO, 0x40),
+  group_flooded = ProtoField.bool("adhoc.stream.flooded", "Everybody passes it on", 8, YES_NO, 0x20),
   group_complete = ProtoField.bool("adhoc.stream.complete", "Complete", 8, YES_NO, 0x80),
+  next_packet = ProtoField.uint32("adhoc.next_packet", "Delivered before"),
+  beyond = ProtoField.uint32("adhoc.beyond", "There behind it (bits)", base.HEX),
   round = ProtoField.uint16("adhoc.round", "Round"),
   block = ProtoField.uint16("adhoc.block", "Block"),
   symbol = ProtoField.uint8("adhoc.symbol", "Symbol"),
@@ -391,7 +394,7 @@ end
 local function group_data(cursor, tree)
   cursor:add(tree, f.root, 6)
   cursor:add(tree, f.root_boot, 8)
-  cursor:flags(tree, f.stream, { f.priority, f.group_report, f.group_follows })
+  cursor:flags(tree, f.stream, { f.priority, f.group_report, f.group_follows, f.group_flooded })
   local hops = cursor:number(tree, f.hops, 1)
   local round = cursor:number(tree, f.round, 2)
   local packet = cursor:number(tree, f.packet, 4)
@@ -423,10 +426,24 @@ local function group_report(cursor, tree)
   return string.format("packet %d, round %d, %s", packet, round, state)
 end
 
+local function group_receipts(cursor, tree)
+  local count = 0
+  while cursor:left() > 0 do
+    cursor:add(tree, f.root, 6)
+    cursor:add(tree, f.root_boot, 8)
+    cursor:flags(tree, f.stream, { f.priority })
+    cursor:add(tree, f.member, 6)
+    cursor:number(tree, f.next_packet, 4)
+    cursor:add(tree, f.beyond, 4)
+    count = count + 1
+  end
+  return string.format("of %d members", count)
+end
+
 local function nothing() return "" end
 
 local BODIES = { beacon, route_request, route_reply, route_error, hop_acknowledgment, data, transport_acknowledgment,
-                 broadcast_data, flood, group_branch, group_branch, group_data, group_report, nothing }
+                 broadcast_data, flood, group_branch, group_branch, group_data, group_report, nothing, group_receipts }
 
 -- CRC-32 of IEEE 802.3, reflected.
 local function crc32(octets)

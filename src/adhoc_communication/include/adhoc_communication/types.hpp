@@ -212,7 +212,7 @@ struct DataFrames {
 
 struct Statistics {
   /// By frame type, see docs/protocol.md; index 0 is not used.
-  static constexpr std::size_t kFrameTypes = 15;
+  static constexpr std::size_t kFrameTypes = 16;
   using ByType = std::array<std::uint64_t, kFrameTypes>;
 
   ByType frames_sent_by_type{};

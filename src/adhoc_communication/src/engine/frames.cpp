@@ -101,12 +101,15 @@ void Engine::Implementation::dispatch(const wire::FrameHeader& header, wire::Rea
       return with(wire::read_group_refusal(body), [&](auto refusal) { distributor_.on_refusal(from, refusal, now); });
     case FrameType::kGroupData:
       return with(wire::read_group_data(body), [&](auto data) {
-        const bool expected = !distributor_.has_place(data.root, data.root_boot) && groups_.is_member_of(data.root) &&
-                              runs_.lives(data.root, data.root_boot);
-        if (distributor_.on_data(from, header.counter, data, expected, now)) ++statistics_.group_data.received;
+        const bool own = data.root == self_.address;
+        if (data.flooded && !(own ? data.root_boot == self_.boot : runs_.told(data.root, data.root_boot, now))) return;
+        const bool member = groups_.is_member_of(data.root) && runs_.lives(data.root, data.root_boot);
+        if (distributor_.on_data(from, header.counter, data, member, now)) ++statistics_.group_data.received;
       });
     case FrameType::kGroupReport:
       return with(wire::read_group_report(body), [&](auto report) { distributor_.on_report(from, report, now); });
+    case FrameType::kGroupReceipts:
+      return with(wire::read_group_receipts(body), [&](auto receipts) { distributor_.on_receipts(receipts, now); });
   }
 }
 

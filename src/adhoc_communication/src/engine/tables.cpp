@@ -39,6 +39,8 @@ std::vector<TableFill> Engine::Implementation::tables() const {
       {"members lost", groups_.own_group().absent(), multicast::OwnGroup::kMostAbsent},
       {"trees", distributor_.branches().size(), multicast::Branches::kMostTrees},
       {"members of a tree", members_of_tree, wire::kMostMembersOfActivation},
+      {"flooded packets", distributor_.flooding().packets(), multicast::Flooding::kMostPackets},
+      {"receipts", distributor_.receipts().kept(), multicast::Receipts::kMostKept},
       {"groups", groups_.memberships().size(), multicast::Memberships::kMostGroups},
       {"runs with keys", guard_.sessions(), security::FrameGuard::kMostSessions},
   };

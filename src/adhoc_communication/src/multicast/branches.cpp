@@ -24,7 +24,9 @@ void Branch::children_changed(bool anew, Time now) {
   busy = true;
   const std::map<MacAddress, std::uint32_t> children = tree.coverages();
   for (GroupStream& stream : streams) {
-    for (auto& [number, transfer] : stream.transfers) transfer.to_children->set_children(children, anew, now);
+    for (auto& [number, transfer] : stream.transfers) {
+      if (!transfer.flooded) transfer.to_children->set_children(children, anew, now);
+    }
   }
 }
 

@@ -23,6 +23,18 @@ double Carriage::tries(const MacAddress& target) const {
   return 1.0 / (1.0 - std::min(neighbors_.beacon_loss(target), routing::kWorstLoss));
 }
 
+bool Carriage::flood_pays(std::size_t robots, std::size_t members) const {
+  double slowness = 1.0;  // of a frame for everybody
+  if (has_measured_broadcasts()) {
+    for (const auto& [address, neighbor] : neighbors_.all()) {
+      if (air_.measured(address) != nullptr) {
+        slowness = std::max(slowness, frame_time(wire::kEverybody) / frame_time(address));
+      }
+    }
+  }
+  return static_cast<double>(robots) * slowness <= kFramesOfAMember * static_cast<double>(members);
+}
+
 Way Carriage::way(const std::vector<MacAddress>& targets, std::size_t frames, Time now) const {
   if (!has_measured_broadcasts()) return Way::kBroadcast;
   double all_tries = 0.0;

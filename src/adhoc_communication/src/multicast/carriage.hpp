@@ -24,11 +24,14 @@ class Carriage {
   /// Air time of the fastest unicast that is thought of: a full frame at 54 Mbit/s, with the gaps around it.
   static constexpr Time kFastestUnicast = std::chrono::microseconds(300);
   static constexpr std::size_t kWorthATrial = 32;  ///< frames still to be sent
+  static constexpr double kFramesOfAMember = 3.0;  ///< of a tree, its building and reports among them
 
   Carriage(const air::AirClock& air, const routing::Neighbors& neighbors) : air_(air), neighbors_(neighbors) {}
 
   /// For one of `frames` that are still to be sent to these neighbours, one at least.
   Way way(const std::vector<MacAddress>& targets, std::size_t frames, Time now) const;
+  /// Whether a frame that each of `robots` may pass on costs less than a tree, or copies, for `members` of them.
+  bool flood_pays(std::size_t robots, std::size_t members) const;
   /// What a broadcast costs has been measured, and lately.
   bool has_measured_broadcasts() const { return air_.measured(wire::kEverybody) != nullptr; }
   bool knows_broadcasts(Time now) const { return knows(wire::kEverybody, now); }

@@ -8,6 +8,21 @@ namespace {
 /// Where in the parity symbols to begin, so that neighbours that both send differ.
 std::uint8_t first_parity(const Identity& self) { return static_cast<std::uint8_t>(digest(self.address)); }
 
+/// That fit where a frame of group data does.
+std::size_t most_receipts(std::size_t segment_size) {
+  return std::min((segment_size + wire::kGroupDataHeaderSize) / wire::kGroupReceiptSize, wire::kMostReceipts);
+}
+
+/// What this robot has of the packets behind the one that it waits for.
+std::uint32_t beyond_next(const GroupStream& stream) {
+  std::uint32_t beyond = 0;
+  for (const auto& [number, transfer] : stream.transfers) {
+    const std::uint32_t ahead = number - stream.next - 1;
+    if (ahead < 32 && transfer.packet->complete()) beyond |= std::uint32_t{1} << ahead;
+  }
+  return beyond;
+}
+
 }  // namespace
 
 Distributor::Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random,
@@ -15,11 +30,15 @@ Distributor::Distributor(const Identity& self, routing::Router& router, Outbox& 
                          transport::Reassembly& reassembly, std::size_t largest_packet, std::uint16_t segment_size)
     : self_(self),
       air_(air),
+      carriage_(carriage),
+      segment_size_(segment_size),
       branches_(self),
       trees_(self, neighbors, router, outbox, branches_),
       source_(segment_size, first_parity(self)),
       sink_(self, router, outbox, random, reassembly, largest_packet, first_parity(self)),
-      downlink_(outbox, branches_, carriage) {}
+      downlink_(outbox, branches_, carriage),
+      flooding_(self, neighbors, random),
+      receipts_(neighbors, router, flooding_, outbox, random, most_receipts(segment_size)) {}
 
 /// What changes of trees mean for the packets on them.
 void Distributor::settle(Time now) {
@@ -32,6 +51,23 @@ void Distributor::settle(Time now) {
 bool Distributor::builds_anew() const {
   const auto own = branches_.all().find(self_.address);
   return own == branches_.all().end() || source_.wants_fresh_tree(own->second);
+}
+
+bool Distributor::floods(std::size_t octets, Priority priority, std::size_t members, std::size_t robots) const {
+  if (octets > segment_size_ || members < kFewestFlooded || !carriage_.flood_pays(robots, members)) return false;
+  const auto own = branches_.all().find(self_.address);
+  return own == branches_.all().end() || source_.may_flood(own->second, priority);
+}
+
+std::uint32_t Distributor::flood(SendId id, Priority priority, transport::Image image,
+                                 const std::set<MacAddress>& members, Time now) {
+  Branch& own = branches_.of(self_.address, self_.boot, now);
+  own.tree.last_used = now;
+  wire::GroupData data = source_.start_flooded(own, id, priority, std::move(image), members, now);
+  const std::uint32_t number = data.packet;
+  data.root = self_.address;
+  flooding_.originate(std::move(data), now);
+  return number;
 }
 
 std::uint32_t Distributor::start(SendId id, Priority priority, transport::Image image,
@@ -81,14 +117,47 @@ bool Distributor::has_place(const MacAddress& root, wire::BootTag boot) const {
   return found != branches_.all().end() && found->second.tree.boot == boot && found->second.tree.upstream;
 }
 
-bool Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, bool expected,
+bool Distributor::on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, bool member,
                           Time now) {
+  if (data.flooded) return on_flooded(from, data, member, now);
   if (branches_.is_root(data.root)) return false;
+  const bool expected = member && !has_place(data.root, data.root_boot);
   const bool question = data.octets.empty();
   Branch* branch = branches_.find(data.root, data.root_boot);
   if (branch != nullptr && !branch->tree.upstream && !expected) branch = nullptr;
   if (branch == nullptr && expected && !question) branch = &branches_.of(data.root, data.root_boot, now);
-  return sink_.on_data(from, counter, data, branch, now);
+  const std::uint32_t next = branch == nullptr ? 0 : branch->streams[data.stream].next;
+  const bool of_use = sink_.on_data(from, counter, data, branch, now);
+  if (of_use && branch->streams[data.stream].next - next > 1) owe_receipt(data.root, *branch, data.stream, now);
+  return of_use;
+}
+
+bool Distributor::on_flooded(const MacAddress& from, const wire::GroupData& data, bool member, Time now) {
+  flooding_.take(from, data, now);
+  if (branches_.is_root(data.root) || !member) return false;
+  Branch& branch = branches_.of(data.root, data.root_boot, now);
+  if (!sink_.on_flooded(data, branch, now)) return false;
+  owe_receipt(data.root, branch, data.stream, now);
+  return true;
+}
+
+/// Where packets were flooded, their root is told what has come of them, or was waiting for others.
+void Distributor::owe_receipt(const MacAddress& root, const Branch& branch, std::uint8_t stream_number, Time now) {
+  const GroupStream& stream = branch.streams[stream_number];
+  if (stream.flood_hops == 0) return;
+  receipts_.owe({root, branch.tree.boot, stream_number, self_.address, stream.next, beyond_next(stream)},
+                stream.flood_hops, now);
+}
+
+void Distributor::on_receipts(const wire::GroupReceipts& receipts, Time now) {
+  Branch* own = branches_.own();
+  for (const wire::GroupReceipt& receipt : receipts.receipts) {
+    if (!branches_.is_root(receipt.root)) {
+      receipts_.pass_on(receipt, now);
+    } else if (own != nullptr && receipt.root_boot == self_.boot) {
+      source_.receipt(*own, receipt, now);
+    }
+  }
 }
 
 void Distributor::on_report(const MacAddress& from, const wire::GroupReport& report, Time now) {
@@ -113,7 +182,9 @@ void Distributor::evicted(const transport::Reassembly::Key& key) {
 
 void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,
                             const Bytes& image, Time now) {
-  sink_.take_copy(root, branches_.of(root, boot, now), stream, number, image, now);
+  Branch& branch = branches_.of(root, boot, now);
+  sink_.take_copy(root, branch, stream, number, image, now);
+  if (branch.streams[stream].next - number > 1) owe_receipt(root, branch, stream, now);
 }
 
 void Distributor::link_lost(const MacAddress& neighbor, Time now) {
@@ -130,6 +201,7 @@ void Distributor::poll(Time now) {
   Branch* own = branches_.own();
   if (own != nullptr) {
     if (const auto members = source_.wants_tree_anew(*own, now)) trees_.build_anew(own->tree, *members, now);
+    source_.serve_late(*own, now);
     settle(now);
   }
   trees_.attach_routed(now);
@@ -141,6 +213,8 @@ void Distributor::poll(Time now) {
     branch.busy = branch.busy || !idle;
   }
   if (own != nullptr) Source::remove_finished(*own);
+  flooding_.poll(now);
+  receipts_.poll(now);
 }
 
 void Distributor::serve(const MacAddress& root, Branch& branch, Time now) {
@@ -165,6 +239,7 @@ std::uint32_t Distributor::base_of(const Place& place) const {
 
 std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const MacAddress& previous_hop,
                                                   const std::optional<MacAddress>& follows, Time now) {
+  if (auto flooded = flooding_.next(priority, previous_hop, now)) return flooded;
   const std::optional<Place> place = downlink_.next(priority, previous_hop);
   if (!place) return std::nullopt;
   Sink::passed_on(place->transfer, now);
@@ -172,7 +247,7 @@ std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const M
 }
 
 Time Distributor::next_deadline() const {
-  Time next = Time::max();
+  Time next = std::min({source_.next_late(), flooding_.next_deadline(), receipts_.next_deadline()});
   for (const auto& [root, branch] : branches_.all()) {
     if (branch.busy) next = std::min(next, branch.next_deadline());
   }
@@ -184,6 +259,7 @@ void Distributor::expire(Time now) {
     if (!branches_.is_root(root)) Sink::expire(branch, now);
   }
   branches_.expire(now);
+  receipts_.expire(now);
 }
 
 }  // namespace adhoc_communication::multicast

@@ -11,6 +11,8 @@
 
 #include "air/air_clock.hpp"
 #include "multicast/downlink.hpp"
+#include "multicast/flooding.hpp"
+#include "multicast/receipts.hpp"
 #include "multicast/sink.hpp"
 #include "multicast/source.hpp"
 #include "multicast/tree_builder.hpp"
@@ -19,6 +21,8 @@ namespace adhoc_communication::multicast {
 
 class Distributor {
  public:
+  static constexpr std::size_t kFewestFlooded = 4;  ///< members
+
   Distributor(const Identity& self, routing::Router& router, Outbox& outbox, Random& random, air::AirClock& air,
               const Carriage& carriage, const routing::Neighbors& neighbors, transport::Reassembly& reassembly,
               std::size_t largest_packet, std::uint16_t segment_size);
@@ -26,6 +30,12 @@ class Distributor {
   // At the root.
   /// Whether the next packet gets a new tree.
   bool builds_anew() const;
+  /// Whether a packet of so many octets for so many members, of the robots that are known, is passed on by everybody
+  /// rather than along the tree.
+  bool floods(std::size_t octets, Priority priority, std::size_t members, std::size_t robots) const;
+  /// As start(), for a packet of which floods() holds.
+  std::uint32_t flood(SendId id, Priority priority, transport::Image image, const std::set<MacAddress>& members,
+                      Time now);
   /// Sends to `members` along the tree and returns the number of the packet; one MemberEnd follows for each.
   std::uint32_t start(SendId id, Priority priority, transport::Image image, const std::set<MacAddress>& members,
                       Time now);
@@ -36,6 +46,10 @@ class Distributor {
   void drop_member(const MacAddress& member, const std::string& reason, Time now);
   void copy_started(std::uint8_t stream, std::uint32_t number) { source_.copy_started(stream, number); }
   void copy_finished(std::uint8_t stream, std::uint32_t number) { source_.copy_finished(stream, number); }
+  bool has_delivered(const MacAddress& member, std::uint8_t stream, std::uint32_t number) const {
+    return source_.has_delivered(member, stream, number);
+  }
+  void forget_receipts(const MacAddress& member) { source_.forget_receipts(member); }
   std::vector<MemberEnd> take_ends() { return source_.take_ends(); }
 
   // At every robot.
@@ -43,9 +57,10 @@ class Distributor {
   void on_refusal(const MacAddress& from, const wire::GroupRefusal& refusal, Time now);
   /// Whether this robot knows its place in the tree of that run.
   bool has_place(const MacAddress& root, wire::BootTag boot) const;
-  /// True when the frame was of use. `expected`: this robot is a member without a place, whose activation is late or
-  /// lost: what it hears by then is its own.
-  bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, bool expected, Time now);
+  /// True when the frame was of use. `member`: the root has taken this robot in. Without a place, as its activation is
+  /// late or lost, what it hears by then is its own.
+  bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, bool member, Time now);
+  void on_receipts(const wire::GroupReceipts& receipts, Time now);
   void on_report(const MacAddress& from, const wire::GroupReport& report, Time now);
   void evicted(const transport::Reassembly::Key& key);
   void take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,
@@ -58,8 +73,11 @@ class Distributor {
 
   void poll(Time now);
   Time next_deadline() const;
-  bool has_frame(std::uint8_t priority) const { return downlink_.has_frame(priority); }
+  bool has_frame(std::uint8_t priority) const {
+    return flooding_.has_frame(priority) || downlink_.has_frame(priority);
+  }
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
+    flooding_.add_waiting_hops(priority, hops);
     downlink_.add_waiting_hops(priority, hops);
   }
   /// Nothing if none waits that came from there. `follows`: where the frame went to which this one may follow without a
@@ -70,19 +88,27 @@ class Distributor {
   void expire(Time now);
 
   const AddressMap<Branch>& branches() const { return branches_.all(); }
+  const Flooding& flooding() const { return flooding_; }
+  const Receipts& receipts() const { return receipts_; }
 
  private:
   void settle(Time now);
   void serve(const MacAddress& root, Branch& branch, Time now);
   std::uint32_t base_of(const Place& place) const;
+  bool on_flooded(const MacAddress& from, const wire::GroupData& data, bool member, Time now);
+  void owe_receipt(const MacAddress& root, const Branch& branch, std::uint8_t stream, Time now);
 
   const Identity& self_;
   air::AirClock& air_;
+  const Carriage& carriage_;
+  std::uint16_t segment_size_;
   Branches branches_;
   TreeBuilder trees_;
   Source source_;
   Sink sink_;
   Downlink downlink_;
+  Flooding flooding_;
+  Receipts receipts_;
 };
 
 }  // namespace adhoc_communication::multicast

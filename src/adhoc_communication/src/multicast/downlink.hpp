@@ -5,17 +5,11 @@
 #include <vector>
 
 #include "multicast/branches.hpp"
+#include "multicast/group_frame.hpp"
 #include "multicast/sink.hpp"
 #include "outbox.hpp"
 
 namespace adhoc_communication::multicast {
-
-/// A frame for all children, or for one of them.
-struct GroupFrame {
-  MacAddress destination{};
-  Bytes body;
-  bool again = false;  ///< it replaces frames that were lost
-};
 
 class Downlink {
  public:

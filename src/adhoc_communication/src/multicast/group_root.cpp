@@ -19,22 +19,28 @@ Time end_of(Time lifetime, Time now) { return lifetime > Time(0) ? now + lifetim
 void GroupTraffic::send_to_own(SendId id, const Image& image, Priority priority, Time lifetime, Time now) {
   std::set<MacAddress> on_tree;
   std::vector<std::string> by_themselves;
+  const bool flooded = distributor_.floods(image->size(), priority, own_group_.size(), directory_.size());
   if (distributor_.builds_anew()) own_group_.tree_built();
   own_group_.take_back_punctual(now);
   for (const std::string& name : own_group_.names()) {
     const auto address = directory_.address_of(name);
-    if (!own_group_.served_by_copies(name) && address) {
+    if (flooded && address) own_group_.take_back(name);
+    if (address && !own_group_.served_by_copies(name)) {
       on_tree.insert(*address);
     } else {
       by_themselves.push_back(name);
     }
   }
-  const std::uint32_t number = distributor_.start(id, priority, image, on_tree, now);
+  const std::uint32_t number = flooded && !on_tree.empty() ? distributor_.flood(id, priority, image, on_tree, now)
+                                                           : distributor_.start(id, priority, image, on_tree, now);
   const HeldPacket packet{static_cast<std::uint8_t>(priority), number, image, now, end_of(lifetime, now)};
   own_group_.hold(packet, now);
   if (own_group_.size() == 0) return ends_.push_back({id, true, {}});
   sends_.fan_out(id, own_group_.size(), packet);
-  for (const std::string& name : by_themselves) send_copy(name, packet, Purpose::kFanOut, id);
+  for (const std::string& name : by_themselves) {
+    own_group_.leave_out(name);
+    send_copy(name, packet, Purpose::kFanOut, id);
+  }
 }
 
 bool GroupTraffic::replace_in_own(SendId former, SendId id, const Image& image, Time lifetime, Time now) {
@@ -54,12 +60,19 @@ bool GroupTraffic::replace_in_own(SendId former, SendId id, const Image& image, 
 
 /// A member that comes late or comes back is first sent what is still held, by itself; the tree takes it in once it
 /// has caught up, so that packets stay in order.
-void GroupTraffic::admit(const std::string& robot, wire::BootTag boot, Time now) {
+void GroupTraffic::admit(const std::string& robot, wire::BootTag boot, bool was_away, Time now) {
   const auto admission = own_group_.admit(robot, boot);
   if (admission == OwnGroup::Admission::kFull) return name_members(robot);
   if (admission == OwnGroup::Admission::kKnown) return;
   if (admission == OwnGroup::Admission::kRestarted) leave_out(robot, robot + " has restarted", now);
-  for (const HeldPacket& packet : own_group_.held_for_newcomers(now)) send_copy(robot, packet, Purpose::kCatchUp, 0);
+  const auto address = directory_.address_of(robot);
+  if (address && !was_away) distributor_.forget_receipts(*address);
+  for (const HeldPacket& packet : own_group_.held_for_newcomers(now)) {
+    const bool has_it = address && distributor_.has_delivered(*address, packet.stream, packet.number);
+    if (has_it) continue;
+    own_group_.leave_out(robot);
+    send_copy(robot, packet, Purpose::kCatchUp, 0);
+  }
 }
 
 /// It is no member any more.
@@ -73,7 +86,6 @@ void GroupTraffic::name_members(const std::string& robot) {
   write({Purpose::kInternal, robot, group_of(self_.name)}, PacketKind::kGroupMembers, encode_members(members));
 }
 
-/// While the copy waits the tree leaves the member out as well, so that its packets stay in order.
 void GroupTraffic::send_copy(const std::string& robot, const HeldPacket& packet, Purpose purpose, SendId parent) {
   own_group_.copy_started(robot, packet);
   distributor_.copy_started(packet.stream, packet.number);
@@ -83,6 +95,10 @@ void GroupTraffic::send_copy(const std::string& robot, const HeldPacket& packet,
 
 void GroupTraffic::start_copies() {
   while (const auto copy = copies_.next()) {
+    if (has_arrived(*copy)) {
+      drop_copy(*copy);
+      continue;
+    }
     Image image = transport::image_of(  // what it carries is packed
         {PacketKind::kGroupCopy, 0, group_of(self_.name), {}, encode_copy(copy->packet)});
     Sending sending{copy->purpose, copy->member, {}, copy->parent};
@@ -90,6 +106,18 @@ void GroupTraffic::start_copies() {
     sending.priority = static_cast<Priority>(copy->packet.stream);
     letters_.push_back({std::move(sending), std::move(image)});
   }
+}
+
+/// By a flood, while the copy waited for its turn.
+bool GroupTraffic::has_arrived(const WaitingCopy& copy) const {
+  const auto address = directory_.address_of(copy.member);
+  return address && distributor_.has_delivered(*address, copy.packet.stream, copy.packet.number);
+}
+
+void GroupTraffic::drop_copy(const WaitingCopy& copy) {
+  copy_ended(copy.member, copy.packet.stream, copy.packet.number);
+  copies_.finished(copy.member, copy.packet.stream);
+  if (copy.purpose == Purpose::kFanOut) part_finished(copy.parent, copy.member, true, {});
 }
 
 void GroupTraffic::copy_ended(const std::string& member, std::uint8_t stream, std::uint32_t number) {
@@ -108,6 +136,7 @@ void GroupTraffic::take_member_ends() {
   for (const MemberEnd& end : distributor_.take_ends()) {
     const std::string name = routing::name_or_address(self_, directory_, end.member);
     if (end.by_copy && directory_.find(end.member) != nullptr && sends_.fans_out(end.id)) {
+      if (!end.by_flood) own_group_.leave_out(name);
       send_copy(name, sends_.packet_of(end.id), Purpose::kFanOut, end.id);
     } else {
       part_finished(end.id, name, end.delivered, end.reason);

@@ -94,7 +94,7 @@ std::vector<std::string> GroupTraffic::cancel(SendId id, const std::string& grou
 }
 
 void GroupTraffic::appeared(const std::string& robot, wire::BootTag boot, Time now) {
-  if (own_group_.comes_back(robot, boot)) admit(robot, boot, now);
+  if (own_group_.comes_back(robot, boot)) admit(robot, boot, true, now);
   memberships_.appeared(robot, now);
   carry_out_memberships();
 }
@@ -108,7 +108,7 @@ bool GroupTraffic::take(const std::string& source, wire::BootTag boot, const tra
   const bool own = packet.group == group_of(self_.name);
   switch (packet.kind) {
     case PacketKind::kGroupJoin:
-      if (own) admit(source, boot, now);
+      if (own) admit(source, boot, false, now);
       return true;
     case PacketKind::kGroupLeave:
       if (own && own_group_.leave(source)) leave_out(source, source + " has left the group", now);

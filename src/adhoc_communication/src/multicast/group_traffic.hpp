@@ -99,11 +99,14 @@ class GroupTraffic {
   // group_root.cpp: the own group.
   void send_to_own(SendId id, const transport::Image& image, Priority priority, Time lifetime, Time now);
   bool replace_in_own(SendId former, SendId id, const transport::Image& image, Time lifetime, Time now);
-  void admit(const std::string& robot, wire::BootTag boot, Time now);
+  /// `was_away`: that run was a member before, and has only not been heard.
+  void admit(const std::string& robot, wire::BootTag boot, bool was_away, Time now);
   void leave_out(const std::string& robot, const std::string& reason, Time now);
   void name_members(const std::string& robot);
   void send_copy(const std::string& robot, const HeldPacket& packet, transport::Purpose purpose, SendId parent);
   void start_copies();
+  bool has_arrived(const WaitingCopy& copy) const;
+  void drop_copy(const WaitingCopy& copy);
   void copy_ended(const std::string& member, std::uint8_t stream, std::uint32_t number);
   void copy_finished(const transport::Sending& copy);
   void part_finished(SendId parent, const std::string& member, bool delivered, const std::string& reason);

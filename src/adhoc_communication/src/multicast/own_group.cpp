@@ -57,9 +57,17 @@ void OwnGroup::forget_absent(const std::string& robot) {
 void OwnGroup::copy_started(const std::string& robot, const HeldPacket& packet) {
   const auto found = members_.find(robot);
   if (found == members_.end()) return;
-  Member& member = found->second;
-  member.copies.emplace(std::pair(packet.stream, packet.number), packet.sent);
-  if (!std::exchange(member.left_out, true)) member.other_tree = false;
+  found->second.copies.emplace(std::pair(packet.stream, packet.number), packet.sent);
+}
+
+void OwnGroup::leave_out(const std::string& robot) {
+  const auto found = members_.find(robot);
+  if (found == members_.end()) return;
+  if (!std::exchange(found->second.left_out, true)) found->second.other_tree = false;
+}
+
+void OwnGroup::take_back(const std::string& robot) {
+  if (const auto found = members_.find(robot); found != members_.end()) found->second.left_out = false;
 }
 
 void OwnGroup::copy_finished(const std::string& robot, std::uint8_t stream, std::uint32_t number) {

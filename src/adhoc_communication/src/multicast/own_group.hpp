@@ -52,10 +52,14 @@ class OwnGroup {
   /// True for the run of a member that had been lost.
   bool comes_back(const std::string& robot, wire::BootTag boot);
 
-  // Packets on their way to a member by themselves. As long as there are any the tree leaves it out, but for another
-  // tree than that which they began with, if none of them is late: packets on the tree wait at the member for these.
+  // Packets on their way to a member by themselves. Of one that is left out all are, which keeps them in order: a copy
+  // says that nothing before it will come any more. As long as there are any the tree leaves it out, but for another
+  // tree than that which they began with, if none of them is late: packets on the tree wait at the member for these. So
+  // do flooded ones, which leave nobody out.
   void copy_started(const std::string& robot, const HeldPacket& packet);
   void copy_finished(const std::string& robot, std::uint8_t stream, std::uint32_t number);
+  void leave_out(const std::string& robot);
+  void take_back(const std::string& robot);
   bool served_by_copies(const std::string& robot) const;
   /// To be called for each packet.
   void take_back_punctual(Time now);

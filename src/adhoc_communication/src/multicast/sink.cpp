@@ -50,6 +50,21 @@ bool Sink::on_data(const MacAddress& from, std::uint64_t counter, const wire::Gr
   return of_use;
 }
 
+bool Sink::on_flooded(const wire::GroupData& data, Branch& branch, Time now) {
+  branch.tree.last_used = now;
+  GroupStream& stream = branch.streams[data.stream];
+  stream.flood_hops = data.hops;
+  begin(data.root, stream, data.base);
+  pass_over(data.root, stream, data.base);
+  if (before(data.packet, stream.next)) return false;
+  Transfer* transfer = transfer_for(branch, data, now);
+  if (transfer == nullptr || !transfer->packet->take(0, 0, data.octets)) return false;
+  transfer->last_news = now;
+  made_progress(*transfer, data.octets.size(), now);
+  deliver(data.root, stream);
+  return true;
+}
+
 /// The rhythm of frames that follow one another without a gap tells how fast the air is.
 void Sink::measure(Branch& branch, std::uint64_t counter, bool follows, Time now) {
   if (follows && counter == branch.last_counter + 1) {
@@ -110,15 +125,17 @@ Transfer* Sink::admit(Branch& branch, const wire::GroupData& data, Time now) {
   const transport::Reassembly::Key room{data.root, tree.boot, carrier, data.packet};
   if (!has_place(data.root, branch, data.stream) ||
       !reassembly_.admit(room, data.total, stream.started && data.packet == stream.next, now)) {
-    tell_no_room(tree, data, stream, now);
+    if (!data.flooded) tell_no_room(tree, data, stream, now);
     return nullptr;
   }
   Transfer& transfer = stream.transfers[data.packet];
   transfer.room = std::make_unique<Room>(reassembly_, room);
   transfer.packet = std::make_unique<GroupPacket>(data.total, data.segment_size);
   transfer.to_children = std::make_unique<Distribution>(*transfer.packet, branch.round_trip, first_parity_);
-  transfer.to_children->set_children(tree.coverages(), true, now);
   transfer.hops = data.hops;
+  transfer.flooded = data.flooded;
+  if (data.flooded) return &transfer;
+  transfer.to_children->set_children(tree.coverages(), true, now);
   if (!tree.upstream) return &transfer;
   for (const auto& [child, members] : tree.children) {
     for (const MacAddress& member : members) router_.used(data.root, member, *tree.upstream, now);
@@ -270,7 +287,7 @@ void Sink::tell_complete(const Place& place, Time now) {
   if (place.root == self_.address) return;
   const bool done = settled(place);
   if (place.transfer.packet->complete()) place.transfer.room->complete(done, now);
-  if (!tree.upstream || !done) return;
+  if (!tree.upstream || !done || place.transfer.flooded) return;
   const Told state{tree.epoch, tree.own_coverage(self_.address)};
   if (place.transfer.told == state) return;
   place.transfer.told = state;

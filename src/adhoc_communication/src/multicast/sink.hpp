@@ -50,6 +50,8 @@ class Sink {
   /// `branch`: that of the root, if this robot is part of its tree, or a member that will be. True when the frame was
   /// of use.
   bool on_data(const MacAddress& from, std::uint64_t counter, const wire::GroupData& data, Branch* branch, Time now);
+  /// A packet that everybody passes on, at a member. True when it was of use.
+  bool on_flooded(const wire::GroupData& data, Branch& branch, Time now);
   /// A packet that came to this member by itself.
   void take_copy(const MacAddress& root, Branch& branch, std::uint8_t stream, std::uint32_t number, const Bytes& image,
                  Time now);

@@ -9,12 +9,23 @@ bool is_little(const Transfer& transfer) {
   return transfer.packet->total() <= Source::kFewFrames * std::size_t{transfer.packet->segment_size()};
 }
 
+enum class Had { kNot, kWaits, kDelivered };
+
+/// What the receipt says of that packet.
+Had had(const wire::GroupReceipt& receipt, std::uint32_t number) {
+  if (before(number, receipt.next)) return Had::kDelivered;
+  const std::uint32_t ahead = number - receipt.next - 1;
+  return ahead < 32 && (receipt.beyond >> ahead & 1) != 0 ? Had::kWaits : Had::kNot;
+}
+
 }  // namespace
 
 std::set<MacAddress> Source::awaiting(const Branch& own) {
   std::set<MacAddress> members;
   for (const GroupStream& stream : own.streams) {
-    for (const auto& [number, transfer] : stream.transfers) members.insert(transfer.open.begin(), transfer.open.end());
+    for (const auto& [number, transfer] : stream.transfers) {
+      if (!transfer.flooded) members.insert(transfer.open.begin(), transfer.open.end());
+    }
   }
   return members;
 }
@@ -24,7 +35,9 @@ bool Source::wants_fresh_tree(const Branch& own) const {
   bool burdened = false;
   for (std::size_t stream = 0; stream < own.streams.size(); ++stream) {
     const auto& transfers = own.streams[stream].transfers;
-    burdened = burdened || (!transfers.empty() && before(transfers.begin()->first, built_before_[stream]));
+    const auto oldest =
+        std::find_if(transfers.begin(), transfers.end(), [](const auto& item) { return !item.second.flooded; });
+    burdened = burdened || (oldest != transfers.end() && before(oldest->first, built_before_[stream]));
   }
   return stale_ && !burdened;
 }
@@ -62,6 +75,90 @@ std::uint32_t Source::start(Branch& own, SendId id, Priority priority, transport
   return number;
 }
 
+bool Source::may_flood(const Branch& own, Priority priority) const {
+  const auto& transfers = own.streams[static_cast<std::size_t>(priority)].transfers;
+  const auto flooded = std::count_if(transfers.begin(), transfers.end(), [](const auto& item) { return item.second.flooded; });
+  return static_cast<std::size_t>(flooded) < kMostFlooded;
+}
+
+wire::GroupData Source::start_flooded(Branch& own, SendId id, Priority priority, transport::Image image,
+                                      const std::set<MacAddress>& members, Time now) {
+  GroupStream& stream = own.streams[static_cast<std::size_t>(priority)];
+  const std::uint32_t number = stream.next++;
+  Transfer& transfer = stream.transfers[number];
+  transfer.packet = std::make_unique<GroupPacket>(*image, segment_size_);
+  transfer.to_children = std::make_unique<Distribution>(*transfer.packet, own.round_trip, first_parity_);
+  transfer.flooded = true;
+  transfer.id = id;
+  transfer.image = std::move(image);
+  transfer.open = members;
+  transfer.last_news = transfer.sent = now;
+  transfer.late = now + flood_time_.timeout();
+  next_late_ = std::min(next_late_, transfer.late);
+  wire::GroupData data;
+  data.root_boot = own.tree.boot;
+  data.stream = static_cast<std::uint8_t>(priority);
+  data.flooded = true;
+  data.packet = number;
+  data.base = oldest_open(own, data.stream);
+  data.total = transfer.packet->total();
+  data.segment_size = segment_size_;
+  data.octets = *transfer.image;
+  return data;
+}
+
+void Source::receipt(Branch& own, const wire::GroupReceipt& receipt, Time now) {
+  const std::pair key(receipt.member, receipt.stream);
+  if (receipts_.size() < kMostReceipts || receipts_.count(key) != 0) receipts_[key] = receipt;
+  for (auto& [number, transfer] : own.streams[receipt.stream].transfers) {
+    if (transfer.flooded && transfer.open.count(receipt.member) != 0) reached_by_flood(transfer, number, receipt, now);
+  }
+}
+
+void Source::reached_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now) {
+  const Had state = had(receipt, number);
+  if (state == Had::kNot) return;
+  if (transfer.there.count(receipt.member) == 0) flood_time_.sample(now - transfer.sent);
+  if (state == Had::kWaits) {
+    transfer.there.insert(receipt.member);
+  } else {
+    finish_member(transfer, {transfer.id, receipt.member, true, false, {}});
+  }
+}
+
+bool Source::has_delivered(const MacAddress& member, std::uint8_t stream, std::uint32_t number) const {
+  const auto found = receipts_.find({member, stream});
+  return found != receipts_.end() && had(found->second, number) == Had::kDelivered;
+}
+
+void Source::forget_receipts(const MacAddress& member) {
+  for (std::uint8_t stream = 0; stream < transport::kPriorities; ++stream) receipts_.erase({member, stream});
+}
+
+void Source::serve_late(Branch& own, Time now) {
+  if (next_late_ > now) return;
+  next_late_ = Time::max();
+  for (GroupStream& stream : own.streams) {
+    std::set<MacAddress> behind;
+    for (auto& [number, transfer] : stream.transfers) {
+      if (transfer.flooded && transfer.late <= now) end_late(transfer, behind, now);
+      if (transfer.flooded && !transfer.open.empty()) next_late_ = std::min(next_late_, transfer.late);
+      behind.insert(transfer.open.begin(), transfer.open.end());
+    }
+  }
+}
+
+/// A copy says that nothing before it will come any more: to members with an earlier packet on its way none is sent.
+void Source::end_late(Transfer& transfer, const std::set<MacAddress>& behind, Time now) {
+  const std::set<MacAddress> open = transfer.open;
+  for (const MacAddress& member : open) {
+    const bool waits = transfer.there.count(member) != 0 && now - transfer.sent < kWaits;
+    if (waits || behind.count(member) != 0) continue;
+    finish_member(transfer, {transfer.id, member, false, true, "it did not say that it has got it", true});
+  }
+  transfer.late = now + flood_time_.timeout();
+}
+
 void Source::begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now) {
   transfer.to_children.reset();  // before the packet that it refers to
   transfer.packet = std::make_unique<GroupPacket>(*image, segment_size_);
@@ -81,7 +178,7 @@ std::optional<std::uint32_t> Source::replace(Branch& own, SendId former, SendId 
   for (std::size_t priority = 0; priority < own.streams.size(); ++priority) {
     for (auto& [number, transfer] : own.streams[priority].transfers) {
       if (transfer.id != former) continue;
-      if (transfer.to_children->begun() || copies_[priority].count(number) != 0) return std::nullopt;
+      if (transfer.flooded || transfer.to_children->begun() || copies_[priority].count(number) != 0) return std::nullopt;
       if (!std::includes(transfer.open.begin(), transfer.open.end(), members.begin(), members.end())) {
         return std::nullopt;
       }
@@ -159,7 +256,7 @@ Source::Awaited Source::awaited(const Branch& own, const MacAddress& member) {
   Awaited most = Awaited::kNothing;
   for (const GroupStream& stream : own.streams) {
     for (const auto& [number, transfer] : stream.transfers) {
-      if (transfer.open.count(member) != 0)
+      if (!transfer.flooded && transfer.open.count(member) != 0)
         most = std::max(most, is_little(transfer) ? Awaited::kLittle : Awaited::kMuch);
     }
   }

@@ -21,6 +21,7 @@ struct MemberEnd {
   bool delivered = false;
   bool by_copy = false;  ///< the tree does not get it there: it has to be sent to this member by itself
   std::string reason;
+  bool by_flood = false;  ///< it was flooded, and so others may be that are still on their way
 };
 
 /// Works on the own branch, which the callers hand over.
@@ -28,6 +29,9 @@ class Source {
  public:
   static constexpr int kMostRefusals = 2;       ///< of a member, before it is served by itself
   static constexpr std::size_t kFewFrames = 8;  ///< for which no way is looked for where the tree has failed
+  static constexpr std::size_t kMostReceipts = wire::kMostMembersOfActivation * transport::kPriorities;
+  static constexpr std::size_t kMostFlooded = 32;  ///< packets of one priority on their way; further ones take the tree
+  static constexpr Time kWaits = std::chrono::seconds(2);  ///< a flooded packet at a member, for those before it
   static constexpr Time kLeftOut = std::chrono::seconds(10);  ///< a tree that did not reach a member is given no other
 
   Source(std::uint16_t segment_size, std::uint8_t first_parity)
@@ -44,6 +48,20 @@ class Source {
   /// The number of the packet; one MemberEnd follows for each of `members`, who are in the tree.
   std::uint32_t start(Branch& own, SendId id, Priority priority, transport::Image image,
                       const std::set<MacAddress>& members, Time now);
+  /// Not too many flooded packets of that priority are on their way.
+  bool may_flood(const Branch& own, Priority priority) const;
+  /// As start(), for a packet of one frame that everybody passes on.
+  wire::GroupData start_flooded(Branch& own, SendId id, Priority priority, transport::Image image,
+                                const std::set<MacAddress>& members, Time now);
+  /// What a member has.
+  void receipt(Branch& own, const wire::GroupReceipt& receipt, Time now);
+  /// It has said so, of flooded packets.
+  bool has_delivered(const MacAddress& member, std::uint8_t stream, std::uint32_t number) const;
+  /// Another run of the member has none of it.
+  void forget_receipts(const MacAddress& member);
+  /// Ends flooded packets at members that have not said in time that they have them.
+  void serve_late(Branch& own, Time now);
+  Time next_late() const { return next_late_; }
   /// Puts another packet in the place of one not begun yet. Its number; nothing if it has begun, or does not await
   /// each of `members` on the tree: it went or goes to some by itself, or they joined later.
   std::optional<std::uint32_t> replace(Branch& own, SendId former, SendId id, const transport::Image& image,
@@ -69,6 +87,8 @@ class Source {
   enum class Awaited { kNothing, kLittle, kMuch };
 
   static std::set<MacAddress> awaiting(const Branch& own);
+  void reached_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now);
+  void end_late(Transfer& transfer, const std::set<MacAddress>& behind, Time now);
   void built(const Branch& own, const std::set<MacAddress>& members, Time now);
 
   void begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now);
@@ -88,6 +108,11 @@ class Source {
   std::set<MacAddress> left_out_;  ///< of these, those that it did not reach: another one would not, either
   /// Numbers on their way to members by themselves.
   std::array<std::multiset<std::uint32_t, routing::SequenceOrder>, transport::kPriorities> copies_;
+  /// From a flooded packet to what a member says of it.
+  transport::RoundTrip flood_time_{std::chrono::milliseconds(500), std::chrono::milliseconds(200),
+                                   std::chrono::seconds(2)};
+  Time next_late_ = Time::max();
+  std::map<std::pair<MacAddress, std::uint8_t>, wire::GroupReceipt> receipts_;  ///< the latest of each member, by stream
   std::vector<MemberEnd> ends_;
 };
 

@@ -48,6 +48,7 @@ struct Transfer {
   std::unique_ptr<GroupPacket> packet;
   std::unique_ptr<Distribution> to_children;
   std::unique_ptr<Room> room;  ///< none at the root, which holds the packet anyway
+  bool flooded = false;        ///< everybody passes it on; no tree carries it
   std::uint8_t hops = 1;       ///< from the root to this robot
   std::uint16_t round = 0;     ///< greatest one heard from upstream
   std::optional<Time> report_due;
@@ -56,7 +57,10 @@ struct Transfer {
   // At the root only.
   SendId id = 0;
   transport::Image image;
-  std::set<MacAddress> open;  ///< members that do not have it yet
+  std::set<MacAddress> open;   ///< members that do not have it yet
+  std::set<MacAddress> there;  ///< of a flooded one: of these, those where it waits for packets before it
+  Time sent{0};                ///< of a flooded one
+  Time late{0};                ///< of a flooded one: when members of which nothing was heard are served by themselves
 };
 
 /// Packets of one priority from one root. Delivered in order; a packet that the root has given up is passed over. It
@@ -68,6 +72,7 @@ struct GroupStream {
   std::optional<std::uint32_t> base;   ///< packets before are finished at the root; not known from copies
   std::optional<std::uint32_t> early;  ///< that of the first frame heard without a place, while there is none
   Transfers transfers;
+  std::uint8_t flood_hops = 0;  ///< that the latest flooded packet has come over; 0: there was none
   std::vector<std::pair<std::uint32_t, Told>> done;  ///< packets that made room when they were done with; latest last
   Time told_no_room{-1};                             ///< last
 };

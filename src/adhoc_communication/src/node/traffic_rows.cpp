@@ -16,7 +16,8 @@ std::uint64_t of(const Statistics::ByType& counts, FrameType type) { return coun
 
 std::uint64_t of_groups(const Statistics::ByType& counts) {
   return of(counts, FrameType::kGroupActivation) + of(counts, FrameType::kGroupRefusal) +
-         of(counts, FrameType::kGroupData) + of(counts, FrameType::kGroupReport);
+         of(counts, FrameType::kGroupData) + of(counts, FrameType::kGroupReport) +
+         of(counts, FrameType::kGroupReceipts);
 }
 
 std::uint64_t of_others(const Statistics::ByType& counts) {
@@ -50,10 +51,10 @@ std::string multicast_row(const Statistics& statistics, long long time) {
   const Statistics::ByType& received = statistics.frames_received_by_type;
   const DataFrames& data = statistics.group_data;
   const std::string out = csv_row(data.sent, data.passed_on, data.sent_again, data.passed_on_again, kNothing,
-                                  of(sent, FrameType::kGroupReport), kNothing, kNothing, kNothing,
+                                  of(sent, FrameType::kGroupReport) + of(sent, FrameType::kGroupReceipts), kNothing, kNothing, kNothing,
                                   of(sent, FrameType::kGroupActivation), kNothing, of_groups(sent));
   const std::string in = csv_row(data.received, kNothing, of(received, FrameType::kGroupData), kNothing,
-                                 of(received, FrameType::kGroupReport), kNothing, kNothing, kNothing,
+                                 of(received, FrameType::kGroupReport) + of(received, FrameType::kGroupReceipts), kNothing, kNothing, kNothing,
                                  of(received, FrameType::kGroupActivation), kNothing,
                                  of(received, FrameType::kGroupData) - data.received, of_groups(received));
   return std::to_string(time) + ',' + out + ',' + in + ',' +

@@ -29,6 +29,7 @@ enum class FrameType : std::uint8_t {
   kGroupData = 12,
   kGroupReport = 13,
   kRouteReplyAcknowledgment = 14,
+  kGroupReceipts = 15,
 };
 
 enum HeaderFlags : std::uint8_t {

@@ -7,6 +7,7 @@ namespace {
 constexpr std::uint8_t kGroupStreamMask = 0x03;
 constexpr std::uint8_t kReportFlag = 0x80;
 constexpr std::uint8_t kFollowsFlag = 0x40;
+constexpr std::uint8_t kFloodedFlag = 0x20;
 constexpr std::uint8_t kCompleteFlag = 0x80;
 
 template <typename Message>
@@ -47,8 +48,8 @@ std::optional<GroupRefusal> read_group_refusal(Reader reader) {
 void write(Writer& writer, const GroupData& data) {
   writer.octets(data.root);
   writer.u64(data.root_boot);
-  writer.u8(
-      static_cast<std::uint8_t>(data.stream | (data.report ? kReportFlag : 0) | (data.follows ? kFollowsFlag : 0)));
+  writer.u8(static_cast<std::uint8_t>(data.stream | (data.report ? kReportFlag : 0) |
+                                      (data.follows ? kFollowsFlag : 0) | (data.flooded ? kFloodedFlag : 0)));
   writer.u8(data.hops);
   writer.u16(data.round);
   writer.u32(data.packet);
@@ -68,6 +69,7 @@ std::optional<GroupData> read_group_data(Reader reader) {
   data.stream = stream & kGroupStreamMask;
   data.report = (stream & kReportFlag) != 0;
   data.follows = (stream & kFollowsFlag) != 0;
+  data.flooded = (stream & kFloodedFlag) != 0;
   data.hops = reader.u8();
   data.round = reader.u16();
   data.packet = reader.u32();
@@ -77,10 +79,13 @@ std::optional<GroupData> read_group_data(Reader reader) {
   data.block = reader.u16();
   data.symbol = reader.u8();
   data.octets = reader.rest();
-  if (!reader.ok() || (stream & ~(kGroupStreamMask | kReportFlag | kFollowsFlag)) != 0) return std::nullopt;
+  constexpr std::uint8_t kAll = kGroupStreamMask | kReportFlag | kFollowsFlag | kFloodedFlag;
+  if (!reader.ok() || (stream & ~kAll) != 0) return std::nullopt;
   if (data.hops == 0 || data.hops > kFarthestHop || data.total == 0) return std::nullopt;
   if (data.segment_size < kShortestSegment || data.segment_size > kLongestSegment) return std::nullopt;
   if (data.octets.size() > data.segment_size || (data.octets.empty() && !data.report)) return std::nullopt;
+  const bool whole = data.block == 0 && data.symbol == 0 && data.octets.size() == data.total;
+  if (data.flooded && (data.report || !whole)) return std::nullopt;
   return data;
 }
 
@@ -116,6 +121,36 @@ std::optional<GroupReport> read_group_report(Reader reader) {
   if (!reader.ok() || (stream & ~(kGroupStreamMask | kCompleteFlag)) != 0) return std::nullopt;
   if (report.missing.size() > kMostBlocksOfReport) return std::nullopt;
   return report;
+}
+
+void write(Writer& writer, const GroupReceipts& receipts) {
+  for (const GroupReceipt& receipt : receipts.receipts) {
+    writer.octets(receipt.root);
+    writer.u64(receipt.root_boot);
+    writer.u8(receipt.stream);
+    writer.octets(receipt.member);
+    writer.u32(receipt.next);
+    writer.u32(receipt.beyond);
+  }
+}
+
+std::optional<GroupReceipts> read_group_receipts(Reader reader) {
+  GroupReceipts receipts;
+  const std::size_t count = reader.left() / kGroupReceiptSize;
+  if (count == 0 || count > kMostReceipts) return std::nullopt;
+  for (std::size_t i = 0; i < count; ++i) {
+    GroupReceipt receipt;
+    receipt.root = reader.individual_address();
+    receipt.root_boot = reader.u64();
+    receipt.stream = reader.u8();
+    receipt.member = reader.individual_address();
+    receipt.next = reader.u32();
+    receipt.beyond = reader.u32();
+    if (receipt.stream > kGroupStreamMask) return std::nullopt;
+    receipts.receipts.push_back(receipt);
+  }
+  if (!reader.at_end()) return std::nullopt;
+  return receipts;
 }
 
 }  // namespace adhoc_communication::wire

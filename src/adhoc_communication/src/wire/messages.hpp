@@ -200,6 +200,7 @@ struct GroupData {
   std::uint8_t stream = 0;         ///< priority; order is kept within a stream
   bool report = false;             ///< the receiver answers with a report
   bool follows = false;            ///< handed to the radio together with the frame before: measures the air
+  bool flooded = false;            ///< a whole packet, which everybody who hears it passes on once
   std::uint8_t hops = 1;           ///< counting the one it travels now
   std::uint16_t round = 0;         ///< of the sender of this frame; reports repeat it
   std::uint32_t packet = 0;        ///< number of the packet in its stream
@@ -231,6 +232,23 @@ constexpr std::size_t kMostBlocksOfReport = 16;
 /// As first_block: there is no room for the packet, and nothing of it is here. No packet has so many blocks.
 constexpr std::uint16_t kNoRoom = 0xffff;
 
+/// What a member has of the packets of a root.
+struct GroupReceipt {
+  MacAddress root{};
+  BootTag root_boot = 0;
+  std::uint8_t stream = 0;
+  MacAddress member{};
+  std::uint32_t next = 0;    ///< packets before this one have been delivered, or will not come any more
+  std::uint32_t beyond = 0;  ///< bit i: packet next + 1 + i is there
+};
+constexpr std::size_t kGroupReceiptSize = 29;
+
+/// About flooded packets, on the way to their roots.
+struct GroupReceipts {
+  std::vector<GroupReceipt> receipts;
+};
+constexpr std::size_t kMostReceipts = 48;
+
 void write(Writer& writer, const Beacon& beacon);
 void write(Writer& writer, const RouteRequest& request);
 void write(Writer& writer, const RouteReply& reply);
@@ -244,6 +262,7 @@ void write(Writer& writer, const GroupActivation& activation);
 void write(Writer& writer, const GroupRefusal& refusal);
 void write(Writer& writer, const GroupData& data);
 void write(Writer& writer, const GroupReport& report);
+void write(Writer& writer, const GroupReceipts& receipts);
 
 template <typename Message>
 Bytes to_bytes(const Message& message) {
@@ -266,5 +285,6 @@ std::optional<GroupActivation> read_group_activation(Reader reader);
 std::optional<GroupRefusal> read_group_refusal(Reader reader);
 std::optional<GroupData> read_group_data(Reader reader);
 std::optional<GroupReport> read_group_report(Reader reader);
+std::optional<GroupReceipts> read_group_receipts(Reader reader);
 
 }  // namespace adhoc_communication::wire

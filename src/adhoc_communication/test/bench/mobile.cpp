@@ -210,7 +210,7 @@ std::string kinds_of_frames(Team& team) {
       {"data", {FrameType::kData}},
       {"acknowledgments", {FrameType::kHopAcknowledgment, FrameType::kTransportAcknowledgment}},
       {"group data", {FrameType::kGroupData}},
-      {"reports", {FrameType::kGroupReport}},
+      {"reports", {FrameType::kGroupReport, FrameType::kGroupReceipts}},
       {"trees", {FrameType::kGroupActivation, FrameType::kGroupRefusal}}};
   Statistics::ByType sent{};
   double all = 0;

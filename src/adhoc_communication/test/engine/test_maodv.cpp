@@ -423,13 +423,16 @@ TEST(Trees, B7_1_OnlyALargePacketIsWorthANewTreeAtOnce) {
   EXPECT_GE(epochs_for(100'000), 1u);
 }
 
-/// Two relays between the root and the last two of the team, one behind the other: the first of these is bound.
+/// Two relays between the root and the last two of the team, one behind the other: the first of these is bound. One of
+/// the relays is no member, so that they are too few for a flood.
 struct TwoWays {
   explicit TwoWays(std::uint64_t seed) : team(lossy(), seed) {
     for (const auto& [x, y] : {std::pair(0.0, 0.0), {7.0, 4.0}, {7.0, -4.0}, {14.0, 0.0}, {22.0, 0.0}}) {
-      team.add({}, x, y);
+      team.add(without_groups(), x, y);
     }
-    team.run_for(5s);
+    team.run_for(1s);
+    for (const std::size_t member : {1u, 3u, 4u}) team.engine(member).join_group("mc_robot_0", team.now());
+    team.run_for(4s);
     team.on_transmission = [this](std::size_t robot, const Frame& frame) {
       const bool data = frame.bytes[1] == static_cast<std::uint8_t>(FrameType::kData);
       copies += robot == 0 && data && frame.bytes.size() > 1000;

@@ -420,6 +420,7 @@ TEST(OwnGroup, HasTheMembersThatOneActivationNames) {
 TEST(OwnGroup, ServesAMemberByCopiesUntilTheLastHasEnded) {
   OwnGroup group(1000);
   group.admit("a", 7);
+  group.leave_out("a");
   group.copy_started("a", packet(1, 100, 0s));
   group.copy_started("a", packet(2, 100, 0s));
   group.copy_finished("a", 0, 1);
@@ -428,14 +429,26 @@ TEST(OwnGroup, ServesAMemberByCopiesUntilTheLastHasEnded) {
   EXPECT_FALSE(group.served_by_copies("a"));
 }
 
+TEST(OwnGroup, ACopyOfAFloodedPacketLeavesNobodyOut) {
+  OwnGroup group(1000);
+  group.admit("a", 7);
+  group.copy_started("a", packet(1, 100, 0s));
+  EXPECT_FALSE(group.served_by_copies("a"));
+  group.leave_out("a");
+  group.take_back("a");
+  EXPECT_FALSE(group.served_by_copies("a")) << "the next flood reaches it";
+}
+
 /// Where packets follow each other closely, one is always on its way.
 TEST(OwnGroup, AnotherTreeTakesAMemberBackWhoseCopiesAreNotLate) {
   OwnGroup group(1000);
   group.admit("a", 7);
+  group.leave_out("a");
   group.copy_started("a", packet(1, 100, 0s));
   group.take_back_punctual(100ms);
   EXPECT_TRUE(group.served_by_copies("a")) << "it is the tree that has left it out";
   group.tree_built();
+  group.leave_out("a");
   group.copy_started("a", packet(2, 100, 200ms));
   group.take_back_punctual(OwnGroup::kPunctual);
   EXPECT_TRUE(group.served_by_copies("a")) << "what comes along the tree would wait for the first one";
@@ -443,6 +456,7 @@ TEST(OwnGroup, AnotherTreeTakesAMemberBackWhoseCopiesAreNotLate) {
   group.take_back_punctual(OwnGroup::kPunctual);
   EXPECT_FALSE(group.served_by_copies("a"));
 
+  group.leave_out("a");
   group.copy_started("a", packet(3, 100, 1s));
   group.copy_finished("a", 0, 2);
   group.take_back_punctual(1s);

@@ -48,6 +48,8 @@ Bytes read_and_rewritten(wire::FrameType type, const wire::Reader& body) {
       return rewritten(wire::read_group_data(body));
     case FrameType::kGroupReport:
       return rewritten(wire::read_group_report(body));
+    case FrameType::kGroupReceipts:
+      return rewritten(wire::read_group_receipts(body));
     case FrameType::kRouteReplyAcknowledgment:
       return {};
   }
@@ -87,7 +89,7 @@ TEST(ProtocolVectors, EveryTypeIsThereAndIsRead) {
     EXPECT_EQ(read_and_rewritten(vector.header.type, opened->body), vector.body);
     EXPECT_EQ(read_and_rewritten(vector.header.type, unsealed->body), vector.body);
   }
-  EXPECT_EQ(types.size(), 14u);
+  EXPECT_EQ(types.size(), 15u);
 }
 
 }  // namespace

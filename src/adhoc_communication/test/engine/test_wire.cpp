@@ -135,7 +135,7 @@ TEST(Wire, HeaderRefusesOtherVersionsTypesAndFlags) {
   EXPECT_TRUE(readable(bytes, 0, kVersion));
   EXPECT_FALSE(readable(bytes, 0, kVersion + 1));
   EXPECT_FALSE(readable(bytes, 1, 0));
-  EXPECT_FALSE(readable(bytes, 1, 15));
+  EXPECT_FALSE(readable(bytes, 1, 16));
   EXPECT_FALSE(readable(bytes, 2, 0x80));
 }
 

@@ -51,7 +51,7 @@ void check_copy(const Bytes& payload) {
 }
 
 void check(std::uint8_t reader, const Bytes& octets) {
-  switch (reader % 17) {
+  switch (reader % 18) {
     case 0:
       return check_header(octets);
     case 1:
@@ -86,6 +86,8 @@ void check(std::uint8_t reader, const Bytes& octets) {
       return check_body(octets, wire::read_group_report);
     case 16:
       return check_copy(octets);
+    case 17:
+      return check_body(octets, wire::read_group_receipts);
   }
 }
 

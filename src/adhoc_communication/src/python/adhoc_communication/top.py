@@ -27,7 +27,7 @@ LATE = 3.0  # s without a message
 FRAME_TYPES = (
     "", "beacon", "route request", "route reply", "route error", "hop acknowledgment", "data",
     "transport acknowledgment", "broadcast data", "flood", "activation", "refusal", "group data", "group report",
-    "route reply acknowledgment",
+    "route reply acknowledgment", "group receipts",
 )  # fmt: skip
 
 Told = Tuple[float, NetworkState, Optional[NetworkState]]  # when it came, and the one before

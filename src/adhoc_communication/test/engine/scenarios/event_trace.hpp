@@ -70,7 +70,8 @@ class EventTrace {
                                                                                 "group refusal",
                                                                                 "group data",
                                                                                 "group report",
-                                                                                "route reply acknowledgment"};
+                                                                                "route reply acknowledgment",
+                                                                                "group receipts"};
     wire::Reader reader(line.header.data(), line.header.size());
     const auto header = wire::read_header(reader);
     const std::string frame = header ? std::string(kTypes[static_cast<std::size_t>(header->type)]) + " of " +
