@@ -190,6 +190,7 @@ void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uin
 void Distributor::link_lost(const MacAddress& neighbor, Time now) {
   trees_.link_lost(neighbor);
   settle(now);
+  receipts_.link_lost(neighbor, now);
 }
 
 void Distributor::unreachable(const MacAddress& member, const std::string& reason, bool nearby, Time now) {

@@ -6,12 +6,15 @@
 namespace adhoc_communication::multicast {
 
 bool Flooding::take(const MacAddress& from, const wire::GroupData& data, Time now) {
-  const auto known = packets_.find(key_of(data));
+  const Key key = key_of(data);
+  const auto known = packets_.find(key);
   if (known != packets_.end()) {
-    known->second.senders.insert(from);
+    Packet& packet = known->second;
+    packet.senders.insert(from);
+    if (packet.sends == 0 && packet.due) prefer_upstream(key, from, now);
     return false;
   }
-  note_upstream(data, from, now);
+  note_upstream(key, from, now);
   wire::GroupData passed_on = data;
   passed_on.hops = static_cast<std::uint8_t>(std::min<int>(data.hops + 1, wire::kFarthestHop));
   if (data.hops >= wire::kFarthestHop) passed_on.octets.clear();
@@ -52,18 +55,26 @@ void Flooding::forget_due(const Key& key, Packet& packet) {
 }
 
 /// Of a root that is not heard any more the entry makes room for another one.
-void Flooding::note_upstream(const wire::GroupData& data, const MacAddress& from, Time now) {
-  if (upstream_.size() >= kMostPackets && upstream_.count(data.root) == 0) {
+void Flooding::note_upstream(const Key& packet, const MacAddress& from, Time now) {
+  const MacAddress& root = std::get<0>(packet);
+  if (upstream_.size() >= kMostPackets && upstream_.count(root) == 0) {
     upstream_.erase(std::min_element(upstream_.begin(), upstream_.end(), [](const auto& a, const auto& b) {
       return a.second.since < b.second.since;
     }));
   }
-  upstream_[data.root] = {from, data.root_boot, now};
+  upstream_[root] = {from, packet, now};
+}
+
+void Flooding::prefer_upstream(const Key& packet, const MacAddress& from, Time now) {
+  const auto found = upstream_.find(std::get<0>(packet));
+  if (found == upstream_.end() || found->second.packet != packet || !neighbors_.two_way(from, now)) return;
+  MacAddress& chosen = found->second.neighbor;
+  if (!neighbors_.two_way(chosen, now) || neighbors_.cost(from) < neighbors_.cost(chosen)) chosen = from;
 }
 
 std::optional<MacAddress> Flooding::upstream(const MacAddress& root, wire::BootTag boot) const {
   const auto found = upstream_.find(root);
-  if (found == upstream_.end() || found->second.boot != boot) return std::nullopt;
+  if (found == upstream_.end() || std::get<1>(found->second.packet) != boot) return std::nullopt;
   return found->second.neighbor;
 }
 

@@ -37,7 +37,8 @@ class Flooding {
   /// An own packet, or one that came from `from`; `from` has sent it by now. False if it was here before.
   bool originate(wire::GroupData data, Time now) { return add({}, std::move(data), Time(0), now); }
   bool take(const MacAddress& from, const wire::GroupData& data, Time now);
-  /// The neighbour from which the latest packet of that run of the root came first.
+  /// The neighbour with the best link of those that sent the latest packet of that run of the root before this robot
+  /// decided about it. Each has sent it before whoever chooses it, so that nothing goes in circles.
   std::optional<MacAddress> upstream(const MacAddress& root, wire::BootTag boot) const;
 
   /// Decides about packets that are due; their frames are ready then.
@@ -61,7 +62,7 @@ class Flooding {
   };
   struct Upstream {
     MacAddress neighbor{};
-    wire::BootTag boot = 0;
+    Key packet{};
     Time since{0};
   };
 
@@ -70,7 +71,8 @@ class Flooding {
   void make_room();
   void decide_at(const Key& key, Packet& packet, Time due);
   void forget_due(const Key& key, Packet& packet);
-  void note_upstream(const wire::GroupData& data, const MacAddress& from, Time now);
+  void note_upstream(const Key& packet, const MacAddress& from, Time now);
+  void prefer_upstream(const Key& packet, const MacAddress& from, Time now);
   bool all_have(const Packet& packet, Time now) const;
   double missed(const routing::Neighbor& neighbor, const Packet& packet, Time now) const;
 

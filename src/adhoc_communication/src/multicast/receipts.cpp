@@ -42,6 +42,15 @@ void Receipts::keep(const wire::GroupReceipt& receipt, Time due, Time now) {
   next_ = std::min(next_, kept.due);
 }
 
+void Receipts::link_lost(const MacAddress& neighbor, Time now) {
+  for (auto& [key, kept] : kept_) {
+    if (kept.told != neighbor || now - kept.told_at >= kSettled) continue;
+    kept.told = {};
+    kept.due = std::min(kept.due, now);
+    next_ = std::min(next_, kept.due);
+  }
+}
+
 /// Back where the packet came from; where that is lost, along the route.
 std::optional<MacAddress> Receipts::way_to(const wire::GroupReceipt& receipt, Time now) const {
   const auto upstream = flooding_.upstream(receipt.root, receipt.root_boot);
@@ -59,7 +68,7 @@ void Receipts::poll(Time now) {
     if (const auto way = way_to(kept.receipt, now)) {
       by_way[*way].push_back(&kept);
     } else {
-      kept.due = Time::max();
+      kept.due = now - kept.heard < kSettled ? now + kAgain : Time::max();
     }
   }
   for (const auto& [neighbor, all] : by_way) {
@@ -67,6 +76,8 @@ void Receipts::poll(Time now) {
     std::vector<wire::GroupReceipt> receipts;
     for (Kept* kept : all) {
       kept->due = Time::max();
+      kept->told = neighbor;
+      kept->told_at = now;
       receipts.push_back(kept->receipt);
     }
     send(neighbor, receipts);

@@ -20,6 +20,8 @@ class Receipts {
   static constexpr std::size_t kMostKept = 8192;
   static constexpr Time kStep = std::chrono::milliseconds(20);  ///< that a robot waits less than one nearer by a hop
   static constexpr int kDeepest = 5;                            ///< hops; who is farther does not wait
+  static constexpr Time kSettled = std::chrono::seconds(2);  ///< by then it has arrived, or never will
+  static constexpr Time kAgain = std::chrono::milliseconds(100);  ///< that a way is looked for, until then
   static constexpr Time kIdle = std::chrono::seconds(20);
 
   Receipts(const routing::Neighbors& neighbors, const routing::Router& router, const Flooding& flooding, Outbox& outbox,
@@ -35,6 +37,8 @@ class Receipts {
   void owe(const wire::GroupReceipt& own, int hops, Time now);
   /// What another one has.
   void pass_on(const wire::GroupReceipt& receipt, Time now);
+  /// What was told to it lately may not have arrived, and goes another way.
+  void link_lost(const MacAddress& neighbor, Time now);
   void poll(Time now);
   Time next_deadline() const { return next_; }
   /// Forgets members of which nothing came for long.
@@ -49,6 +53,8 @@ class Receipts {
     wire::GroupReceipt receipt;
     Time due = Time::max();  ///< nothing is owed
     Time heard{0};
+    MacAddress told{};  ///< who was told last
+    Time told_at{0};
   };
 
   static Stream stream_of(const wire::GroupReceipt& receipt) {

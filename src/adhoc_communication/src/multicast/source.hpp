@@ -110,7 +110,7 @@ class Source {
   std::array<std::multiset<std::uint32_t, routing::SequenceOrder>, transport::kPriorities> copies_;
   /// From a flooded packet to what a member says of it.
   transport::RoundTrip flood_time_{std::chrono::milliseconds(500), std::chrono::milliseconds(200),
-                                   std::chrono::seconds(2)};
+                                   std::chrono::seconds(4)};
   Time next_late_ = Time::max();
   std::map<std::pair<MacAddress, std::uint8_t>, wire::GroupReceipt> receipts_;  ///< the latest of each member, by stream
   std::vector<MemberEnd> ends_;
