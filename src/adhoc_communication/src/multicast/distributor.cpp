@@ -232,10 +232,12 @@ void Distributor::serve(const MacAddress& root, Branch& branch, Time now) {
   }
 }
 
-/// The packets before are finished at the root.
+/// The packets before are finished at the root, as far as this robot has been told: by frames heard before it had its
+/// place, too, or whoever is behind it would begin with this packet.
 std::uint32_t Distributor::base_of(const Place& place) const {
   if (branches_.is_root(place.root)) return source_.oldest_open(place.branch, place.stream);
-  return place.branch.streams[place.stream].base.value_or(place.number);
+  const GroupStream& stream = place.branch.streams[place.stream];
+  return stream.base.value_or(stream.early.value_or(place.number));
 }
 
 std::optional<GroupFrame> Distributor::next_frame(std::uint8_t priority, const MacAddress& previous_hop,

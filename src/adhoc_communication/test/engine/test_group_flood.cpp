@@ -115,9 +115,10 @@ TEST(GroupFlood, PacketsThatFollowEachOtherCloselyComeInOrderOverABreak) {
   }
 }
 
-/// Some are too large for one frame and take the tree; a third of the floods finds no room, and does as well.
+/// Some are too large for one frame and take the tree; a third of the floods finds no room, and does as well. In two of
+/// these seeds a relay that passed on what it had heard before it had its place told those behind it to begin there.
 TEST(GroupFlood, KeepsTheOrderBetweenFloodsAndTheTree) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 22u, 134u}) {
     MediumOptions medium;
     medium.loss = 0.3;
     medium.bit_rate = 5e6;
