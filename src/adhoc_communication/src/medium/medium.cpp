@@ -15,7 +15,8 @@ constexpr std::size_t kMostSlots = 1024;
 
 }  // namespace
 
-Medium::Medium(const MediumOptions& options, std::uint64_t seed) : random_(seed), reach_(validated(options), seed) {}
+Medium::Medium(const MediumOptions& options, std::uint64_t seed)
+    : random_(seed), reach_(validated(options), seed), bursts_(options.bursts, seed) {}
 
 Medium::Node Medium::add_node(const std::string& name, std::optional<MacAddress> address) {
   NodeState node;
@@ -40,6 +41,11 @@ void Medium::set_position(Node node, double x, double y) {
     throw std::invalid_argument("the position of " + name(node) + " is not within 1e9 m of the origin");
   }
   reach_.set_position(node, {x, y});
+}
+
+void Medium::set_bit_rate(double bit_rate) {
+  if (!(bit_rate > 0.0)) throw std::invalid_argument("the bit rate of the medium is not above zero");
+  reach_.set_bit_rate(bit_rate);
 }
 
 void Medium::set_link_loss(Node a, Node b, std::optional<double> probability) {
@@ -131,7 +137,7 @@ Medium::FlightKey Medium::launch(Node sender, SharedFrame frame, Time begin, Tim
     counters->air_time += duration;
   }
   const FlightKey key(begin + duration, next_flight_++);
-  flights_.emplace(key, Flight{sender, state.life, std::move(frame), true, {}});
+  flights_.emplace(key, Flight{sender, state.life, std::move(frame), begin, begin + duration, true, {}});
   return key;
 }
 
@@ -159,6 +165,7 @@ std::optional<Time> Medium::next_delivery() const {
   std::optional<Time> next;
   if (!flights_.empty()) next = flights_.begin()->first.first;
   if (!attempts_.empty()) next = std::min(next.value_or(Time::max()), attempts_.begin()->first);
+  if (!delayed_.empty()) next = std::min(next.value_or(Time::max()), delayed_.begin()->first);
   return next;
 }
 
@@ -166,7 +173,9 @@ std::vector<Medium::Delivery> Medium::deliveries(Time now) {
   std::vector<Delivery> out;
   for (auto next = next_delivery(); next && *next <= now; next = next_delivery()) {
     const bool is_landing = !flights_.empty() && flights_.begin()->first.first == *next;
-    if (is_landing) {
+    if (!delayed_.empty() && delayed_.begin()->first == *next) {
+      take_delayed(out);
+    } else if (is_landing) {
       land(*next, out);
     } else {
       attempt(attempts_.begin()->second, *next);
@@ -187,7 +196,7 @@ void Medium::arrive(Flight& flight, Time at, std::vector<Delivery>& out) {
   const bool answered = flight.first && is_repeated(*flight.frame);
   if (flight.first && !answered) go_on(flight.sender, at);
   const bool delayed = flight.first && repeat_or_delay(flight, at);
-  const bool lost = !delayed && !deliver(flight, out);
+  const bool lost = !delayed && !deliver(flight, at, out);
   if (!answered || (lost && try_again(flight, at))) return;
   go_on(flight.sender, at);
 }
@@ -210,27 +219,50 @@ bool Medium::try_again(const Flight& flight, Time at) {
   return true;
 }
 
-bool Medium::deliver(const Flight& flight, std::vector<Delivery>& out) {
+bool Medium::deliver(const Flight& flight, Time at, std::vector<Delivery>& out) {
   bool arrived = false;
   for (const Hearer& hearer : reach_.hearers(flight.sender)) {
     const NodeState& receiver = nodes_[hearer.node];
     if (!receiver.up || !addressed(*flight.frame, receiver) || !survives(flight, hearer)) continue;
-    if (hearer.loss > 0.0 && random_.chance(hearer.loss)) {
+    if (lost(flight, hearer, at)) {
       count(flight.sender, &Counters::lost);
       continue;
     }
     count(flight.sender, &Counters::delivered);
     arrived |= receiver.address == flight.frame->destination;
     const bool corrupt = options().corruption > 0 && random_.chance(options().corruption);
-    out.push_back({hearer.node, corrupt ? corrupted(*flight.frame) : flight.frame});
+    hand_over({hearer.node, corrupt ? corrupted(*flight.frame) : flight.frame}, at, out);
   }
   return arrived;
+}
+
+bool Medium::lost(const Flight& flight, const Hearer& receiver, Time at) {
+  if (receiver.loss > 0.0 && random_.chance(receiver.loss)) return true;
+  if (interferes(options().interference, flight.begin, flight.end)) return true;
+  return bursts_.bad(flight.sender, receiver.node, at) && random_.chance(bursts_.loss());
+}
+
+void Medium::hand_over(Delivery delivery, Time at, std::vector<Delivery>& out) {
+  const DelayOptions& delay = options().delay;
+  if (delay.fixed + delay.jitter == Time(0)) return out.push_back(std::move(delivery));
+  NodeState& receiver = nodes_[delivery.node];
+  Time arrival = at + delay.fixed + (delay.jitter > Time(0) ? random_.delay(delay.jitter) : Time(0));
+  if (!delay.reorders) arrival = receiver.latest = std::max(arrival, receiver.latest);
+  delayed_.emplace(arrival, Delayed{receiver.life, std::move(delivery)});
+}
+
+void Medium::take_delayed(std::vector<Delivery>& out) {
+  Delayed next = std::move(delayed_.begin()->second);
+  delayed_.erase(delayed_.begin());
+  const NodeState& receiver = nodes_[next.delivery.node];
+  if (receiver.up && receiver.life == next.life) out.push_back(std::move(next.delivery));
 }
 
 bool Medium::repeat_or_delay(const Flight& flight, Time at) {
   const auto again = [&](Time delay) {
     const FlightKey key(at + delay, next_flight_++);
-    flights_.emplace(key, Flight{flight.sender, flight.life, flight.frame, false, flight.overlapping});
+    flights_.emplace(
+        key, Flight{flight.sender, flight.life, flight.frame, flight.begin, flight.end, false, flight.overlapping});
   };
   if (options().duplication > 0 && random_.chance(options().duplication)) again(random_.delay(kLongestReordering));
   if (options().reordering <= 0 || !random_.chance(options().reordering)) return false;

@@ -13,6 +13,7 @@
 
 #include "address_map.hpp"
 #include "adhoc_communication/types.hpp"
+#include "medium/bursts.hpp"
 #include "medium/contention.hpp"
 #include "medium/options.hpp"
 #include "medium/reach.hpp"
@@ -59,6 +60,8 @@ class Medium {
   /// Without effect if path_loss decides.
   void set_range(double metres) { reach_.set_range(metres); }
   void set_loss(double probability) { reach_.set_loss(probability); }
+  /// Of frames that go on the air from now on. Throws std::invalid_argument if it is not above zero.
+  void set_bit_rate(double bit_rate);
   /// Both directions; 1 cuts the link, nothing gives it back to the model of distance and common loss.
   void set_link_loss(Node a, Node b, std::optional<double> probability);
   /// Only frames from `from` to `to`.
@@ -90,17 +93,26 @@ class Medium {
     std::deque<SharedFrame> waiting;  ///< for a free channel, where it is contended for
     std::optional<Time> attempt;      ///< when the node tries to send the first of them
     int retries = 0;                  ///< of that one
+    Time latest{0};                   ///< for which a frame to it is due that was delayed
     Counters counters;
   };
   struct Flight {
     Node sender;
     std::uint64_t life;
     SharedFrame frame;
+    Time begin;
+    Time end;
     bool first = true;              ///< false for the late or second copy that reordering and duplication make
     std::vector<Node> overlapping;  ///< senders of frames that were on the air at the same time, if it is contended for
   };
 
   using FlightKey = std::pair<Time, std::uint64_t>;  ///< end of air time, order of transmission
+
+  /// Received, and on its way from the radio to the robot.
+  struct Delayed {
+    std::uint64_t life;  ///< of the receiver
+    Delivery delivery;
+  };
 
   /// Sends at the node's turn.
   void take_turn(Node node, SharedFrame frame, Time now);
@@ -113,7 +125,10 @@ class Medium {
   void land(Time at, std::vector<Delivery>& out);
   void arrive(Flight& flight, Time at, std::vector<Delivery>& out);
   /// Whether the robot that it is for has got it.
-  bool deliver(const Flight& flight, std::vector<Delivery>& out);
+  bool deliver(const Flight& flight, Time at, std::vector<Delivery>& out);
+  bool lost(const Flight& flight, const Hearer& receiver, Time at);
+  void hand_over(Delivery delivery, Time at, std::vector<Delivery>& out);
+  void take_delayed(std::vector<Delivery>& out);
   void go_on(Node sender, Time at);
   bool try_again(const Flight& flight, Time at);
   bool repeat_or_delay(const Flight& flight, Time at);  ///< true if the frame itself arrives later
@@ -126,9 +141,11 @@ class Medium {
   Reach reach_;
   ContendedChannel channel_;
   Turns turns_;
+  Bursts bursts_;
   std::vector<NodeState> nodes_;
   AddressMap<Node> by_address_;
   std::map<FlightKey, Flight> flights_;
+  std::multimap<Time, Delayed> delayed_;
   std::set<std::pair<Time, Node>> attempts_;
   std::uint64_t next_flight_ = 0;
   Time shared_busy_until_{0};

@@ -34,6 +34,12 @@ const MediumOptions& validated(const MediumOptions& options) {
   require(options.wall_attenuation >= 0.0, "the attenuation of a wall is below zero");
   require(options.shadowing.deviation >= 0.0, "the standard deviation of the shadowing is below zero");
   require(options.shadowing.distance > 0.0, "the distance of the shadowing is not above zero");
+  require(options.bursts.good >= Time(0) && options.bursts.bad >= Time(0), "the times of bursts are below zero");
+  require(options.bursts.loss >= 0.0 && options.bursts.loss <= 1.0, "the loss of bursts is not between 0 and 1");
+  require(options.delay.fixed >= Time(0) && options.delay.jitter >= Time(0), "the delay of frames is below zero");
+  require(options.interference.duration >= Time(0), "the duration of the interference is below zero");
+  require(options.interference.duration == Time(0) || options.interference.duration <= options.interference.period,
+          "the interference lasts longer than its period");
   require(!options.path_loss || options.path_loss->n_model >= 0.0, "the path loss exponent is below zero");
   const Walls& walls = options.walls;
   if (walls.cells.empty()) return options;

@@ -5,6 +5,9 @@
 #include <optional>
 
 #include "adhoc_communication/types.hpp"
+#include "medium/bursts.hpp"
+#include "medium/delay.hpp"
+#include "medium/interference.hpp"
 #include "medium/rates.hpp"
 #include "medium/shadowing.hpp"
 #include "medium/walls.hpp"
@@ -38,6 +41,11 @@ struct MediumOptions {
 
   /// Frames for one robot and frames for everybody differ.
   RateOptions rates;
+
+  // Each adds to what `loss` and distance do.
+  BurstOptions bursts;
+  DelayOptions delay;
+  InterferenceOptions interference;
 };
 
 /// The same options. Throws std::invalid_argument with one sentence if they make no radio.

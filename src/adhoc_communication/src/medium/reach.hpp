@@ -36,6 +36,7 @@ class Reach {
   void set_position(Node node, const Position& position);
   void set_range(double metres);
   void set_loss(double probability);
+  void set_bit_rate(double bit_rate) { options_.bit_rate = bit_rate; }
   void set_link_loss(Node from, Node to, std::optional<double> probability);
 
   /// In the order of their numbers. Valid until the next change.

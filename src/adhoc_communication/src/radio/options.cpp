@@ -28,6 +28,11 @@ const char* const kRadioUsage =
     "  --shadowing 0            standard deviation, dB\n"
     "  --shadowing-distance 5   metres over which it changes\n"
     "  --loss 0                 of each frame on each link, 0 to 1\n"
+    "  --burst-good 0           seconds for which a link is good, on average,\n"
+    "  --burst-bad 0            and bad; 0: never\n"
+    "  --burst-loss 1           of each frame while it is bad, 0 to 1\n"
+    "  --interference-period 0  seconds from one begin of interference to the next,\n"
+    "  --interference 0         and how long it destroys all frames from then on; 0: never\n"
     "air time\n"
     "  --bit-rate 50e6          bit/s\n"
     "  --broadcast-rate 0       bit/s of frames for all; 0: as the bit rate\n"
@@ -37,6 +42,9 @@ const char* const kRadioUsage =
     "  --spatial-reuse false    true: with --shared, frames that disturb each other nowhere share a turn\n"
     "  --contention false       true: one channel with carrier sense, half duplex and collisions\n"
     "  --capture 10             dB by which a frame has to be stronger than another to survive it\n"
+    "  --delay 0                seconds from the end of a frame on the air until its receiver has it\n"
+    "  --jitter 0               seconds that it may take longer, at random\n"
+    "  --jitter-reorders false  true: later frames may come before earlier ones\n"
     "  --rtf 1                  real-time factor of the simulation: the bit rate is as much higher\n"
     "operation\n"
     "  --seed 1                 of everything random\n"
@@ -116,6 +124,14 @@ Setter numeric(Place place, double low, double high) {
   };
 }
 
+/// Seconds, up to an hour.
+template <typename Place>
+Setter duration(Place place) {
+  return [place](CommandLine& line, const std::string& option, const std::string& value) {
+    place(line) = Time(std::llround(1e9 * number(option, value, 0, 3600)));
+  };
+}
+
 template <typename Place>
 Setter textual(Place place) {
   return [place](CommandLine& line, const std::string&, const std::string& value) { place(line) = value; };
@@ -173,6 +189,15 @@ const std::map<std::string, Setter>& setters() {
                                    [](Line & l) -> auto& { return l.options.medium.shadowing.distance; }, 0.01, 1e6)},
       {"--loss", numeric(
                      [](Line & l) -> auto& { return l.options.medium.loss; }, 0.0, 1.0)},
+      {"--burst-good", duration([](Line & l) -> auto& { return l.options.medium.bursts.good; })},
+      {"--burst-bad", duration([](Line & l) -> auto& { return l.options.medium.bursts.bad; })},
+      {"--burst-loss", numeric(
+                           [](Line & l) -> auto& { return l.options.medium.bursts.loss; }, 0.0, 1.0)},
+      {"--interference-period", duration([](Line & l) -> auto& { return l.options.medium.interference.period; })},
+      {"--interference", duration([](Line & l) -> auto& { return l.options.medium.interference.duration; })},
+      {"--delay", duration([](Line & l) -> auto& { return l.options.medium.delay.fixed; })},
+      {"--jitter", duration([](Line & l) -> auto& { return l.options.medium.delay.jitter; })},
+      {"--jitter-reorders", logical([](Line & l) -> auto& { return l.options.medium.delay.reorders; })},
       {"--bit-rate", numeric(
                          [](Line & l) -> auto& { return l.options.medium.bit_rate; }, 1e3, 1e12)},
       {"--broadcast-rate", numeric(
@@ -218,6 +243,9 @@ void check_combination(const CommandLine& line) {
   if (line.options.medium.spatial_reuse && !line.options.medium.shared) {
     throw std::invalid_argument("--spatial-reuse needs --shared true");
   }
+  if (line.options.medium.interference.duration > line.options.medium.interference.period) {
+    throw std::invalid_argument("--interference is longer than --interference-period");
+  }
   if (line.options.medium.rates.unicast_retries > 0 && !line.options.medium.contention) {
     throw std::invalid_argument("--unicast-retries needs --contention true");
   }
@@ -255,6 +283,10 @@ MediumOptions in_real_time(MediumOptions medium, double rtf) {
   medium.rates.acknowledgment = scaled(medium.rates.acknowledgment);
   medium.frame_overhead = scaled(medium.frame_overhead);
   medium.slot = scaled(medium.slot);
+  for (Time* time : {&medium.bursts.good, &medium.bursts.bad, &medium.delay.fixed, &medium.delay.jitter,
+                     &medium.interference.period, &medium.interference.duration}) {
+    *time = scaled(*time);
+  }
   return medium;
 }
 

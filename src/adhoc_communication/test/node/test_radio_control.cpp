@@ -134,6 +134,24 @@ TEST(RadioOptions, OfTheRatesAreRead) {
   EXPECT_TRUE(parse({"--hub", "x", "--unicast-rates", "false"}).medium.rates.unicast.empty());
 }
 
+TEST(RadioOptions, OfTheChannelAreRead) {
+  const RadioOptions options =
+      parse({"--hub", "x", "--burst-good", "0.4", "--burst-bad", "0.1", "--burst-loss", "0.5", "--delay", "0.3",
+             "--jitter", "0.05", "--jitter-reorders", "true", "--interference-period", "10", "--interference", "2"});
+  EXPECT_EQ(options.medium.bursts.good, 400ms);
+  EXPECT_EQ(options.medium.bursts.bad, 100ms);
+  EXPECT_DOUBLE_EQ(options.medium.bursts.loss, 0.5);
+  EXPECT_EQ(options.medium.delay.fixed, 300ms);
+  EXPECT_EQ(options.medium.delay.jitter, 50ms);
+  EXPECT_TRUE(options.medium.delay.reorders);
+  EXPECT_EQ(options.medium.interference.period, 10s);
+  EXPECT_EQ(options.medium.interference.duration, 2s);
+  const MediumOptions real = in_real_time(options.medium, 2.0);
+  EXPECT_EQ(real.bursts.bad, 50ms);
+  EXPECT_EQ(real.delay.fixed, 150ms);
+  EXPECT_EQ(real.interference.period, 5s);
+}
+
 TEST(RadioOptions, WrongOnesAreRefused) {
   const std::vector<std::vector<std::string>> wrong = {{},
                                                        {"--hub"},
@@ -155,6 +173,10 @@ TEST(RadioOptions, WrongOnesAreRefused) {
                                                        {"--hub", "x", "--broadcast-rate", "-1"},
                                                        {"--hub", "x", "--unicast-rates", "54e6"},
                                                        {"--hub", "x", "--unicast-retries", "7"},
+                                                       {"--hub", "x", "--burst-bad", "-1"},
+                                                       {"--hub", "x", "--burst-loss", "2"},
+                                                       {"--hub", "x", "--delay", "4000"},
+                                                       {"--hub", "x", "--interference", "1"},
                                                        {"--hub", "x", "--shadowing-distance", "0"}};
   for (const auto& words : wrong) EXPECT_THROW(parse(words), std::invalid_argument);
 }
