@@ -31,11 +31,12 @@ void AirClock::bound(const Transmission& transmission, Time longest) {
 void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now) {
   const bool follows = !recent_.empty() && recent_.back().counter + 1 == counter;
   const Time gap = follows ? now - recent_.back().sent : Time::max();
+  const bool idle = busy_until_ <= now;
   if (recent_.size() == kMostRemembered) recent_.pop_front();
   last_destination_ = destination;
   last_rate_ = &rate(destination);
   busy_until_ = std::max(busy_until_, now) + rate(destination).air_time(octets);
-  recent_.push_back({counter, octets, destination, now, gap, false, false, busy_until_});
+  recent_.push_back({counter, octets, destination, now, gap, false, false, busy_until_, idle});
 }
 
 void AirClock::handed_over(bool kept) {
@@ -51,9 +52,19 @@ void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time answered, 
   Time arrived = answered;
   if (const Transmission* last = find(counter)) {
     bound(*last, answered - last->sent);
+    sample_delay(*last, answered, octets);
     arrived = arrival(*last, answered, octets);
   }
   busy_until_ = end_of_rest(arrived);
+}
+
+/// A radio slower than any that is thought of would look like a delay: there, none is believed.
+void AirClock::sample_delay(const Transmission& last, Time answered, std::size_t octets) {
+  if (octets == 0 || !last.idle || !calibrated(last.destination)) return;
+  const AirRate& known = rate(last.destination);
+  const Time on_air = known.air_time(last.octets) + known.air_time(octets);
+  const bool slowest = known.air_time(last.octets) >= AirRate::slowest_air_time(last.octets) * 9 / 10;
+  delay_ = slowest ? Time(0) : std::min(delay_, std::max(Time(0), answered - last.sent - on_air));
 }
 
 /// The answer has been on the air itself; and where it shares the channel, it may have had to wait for one frame more,
@@ -61,6 +72,7 @@ void AirClock::acknowledged(std::uint64_t counter, Time spacing, Time answered, 
 /// would leave the air idle after each such answer.
 Time AirClock::arrival(const Transmission& last, Time answered, std::size_t octets) const {
   if (octets == 0 || !calibrated(last.destination)) return answered;
+  if (delay_ != Time::max()) answered -= delay_;
   const Time directly = std::max(last.sent, answered - rate(last.destination).air_time(octets));
   const auto next = std::upper_bound(
       recent_.begin(), recent_.end(), last.counter,

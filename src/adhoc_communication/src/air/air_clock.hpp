@@ -82,6 +82,7 @@ class AirClock {
     bool sampled;
     bool kept;  ///< by the device
     Time end;   ///< of its time on the air, as believed
+    bool idle;  ///< the radio had nothing else to send, as believed
   };
   using Transmissions = std::deque<Transmission>;
 
@@ -95,6 +96,7 @@ class AirClock {
   Time credible(const Transmission& transmission, Time spacing, Time answered) const;
   Time end_of_rest(Time begin);
   Time arrival(const Transmission& last, Time answered, std::size_t octets) const;
+  void sample_delay(const Transmission& last, Time answered, std::size_t octets);
   void sample(std::uint64_t counter, Time spacing, Time now);
   void bound(const Transmission& transmission, Time longest);
 
@@ -103,6 +105,9 @@ class AirClock {
   AddressMap<AirRate> kinds_;  ///< those measured, wire::kEverybody among them
   SharedAir shared_;
   Time busy_until_{0};
+  /// The shortest time between frame and answer that neither of them was on the air for: something between the radios
+  /// and the robots takes it.
+  Time delay_ = Time::max();
   Transmissions recent_;
   std::uint64_t handed_over_ = 0;  ///< the last frame of which it is known whether it was kept
   std::uint64_t off_air_ = 0;      ///< the last frame known to be so

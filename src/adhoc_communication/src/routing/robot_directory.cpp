@@ -57,6 +57,11 @@ const Robot* RobotDirectory::find(const MacAddress& address) const {
   return found == robots_.end() ? nullptr : &found->second;
 }
 
+bool RobotDirectory::present(const MacAddress& address) const {
+  const Robot* robot = find(address);
+  return robot != nullptr && robot->announced;
+}
+
 bool RobotDirectory::has_news_since(const MacAddress& address, Time since) const {
   const Robot* robot = find(address);
   return robot != nullptr && robot->last_news > since;

@@ -62,6 +62,8 @@ class RobotDirectory {
   void traffic(const MacAddress& address, wire::BootTag boot, Time now);
 
   const Robot* find(const MacAddress& address) const;
+  /// It has appeared, and is not lost.
+  bool present(const MacAddress& address) const;
   /// Something has told since that it lives: itself, its data or others.
   bool has_news_since(const MacAddress& address, Time since) const;
   /// The neighbour that has told of the far robot last: life signs come by it, so it lies on a way there. Life signs

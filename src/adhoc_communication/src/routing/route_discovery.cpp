@@ -97,7 +97,7 @@ void RouteDiscovery::end_exchange(const Target& target) {
 }
 
 std::vector<RouteDiscovery::Step> RouteDiscovery::poll(const std::function<std::uint8_t(const Target&)>& told_hops,
-                                                       Time now) {
+                                                       Time now, const std::function<bool(const Target&)>& present) {
   std::vector<Step> steps;
   for (auto iterator = searches_.begin(); iterator != searches_.end();) {
     Search& search = iterator->second;
@@ -110,6 +110,11 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(const std::function<std::
       const bool patient = !search.repair && !search.newer_than && now - search.started < kPatience;
       search.told_hops = patient ? told_hops(search.target) : std::uint8_t{0};
       if (search.told_hops > 0) continue;
+      search.prolonged = patient && !search.for_others && present(search.target);
+      if (search.prolonged) {
+        --search.tries;
+        continue;
+      }
       if (!search.newer_than) failures_.push_back({search.target, now - search.started, search.repair});
       end(search);
       iterator = searches_.erase(iterator);
@@ -159,10 +164,12 @@ bool RouteDiscovery::advance(Search& search, Time now) {
   }
   if (!take(search, now)) return true;
   // Section 6.3: binary exponential backoff at full reach; section 6.4: ring traversal time before.
-  const Time wait = last ? timings_.route_request_wait * (1 << std::min(search.tries, 10))
-                         : timings_.ring_traversal_time(search.hop_limit);
+  // What hides a target that is present may end at any moment.
+  const int doublings = std::min(search.tries, search.prolonged ? kDoublingsProlonged : 10);
+  const Time wait =
+      last ? timings_.route_request_wait * (1 << doublings) : timings_.ring_traversal_time(search.hop_limit);
   ++search.tries;
-  const bool another_follows = !only_once && !(last && search.tries >= most_tries);
+  const bool another_follows = !only_once && (search.prolonged || !last || search.tries < most_tries);
   const Time jitter = another_follows ? random_.delay(wait / kJitterShare) : Time(0);
   search.due = now - std::exchange(search.late, jitter) + wait + jitter;
   return true;

@@ -42,7 +42,8 @@ class RouteDiscovery {
   /// RING_TRAVERSAL_TIMEs for an answer to a directed request: hops repeat it, which a flood does not wait for, and a
   /// flood too many costs more than the wait.
   static constexpr int kDirectedPatience = 3;
-  static constexpr Time kPatience = std::chrono::seconds(10);  ///< with a target that lives
+  static constexpr int kDoublingsProlonged = 2;                ///< of the wait for a reply
+  static constexpr Time kPatience = std::chrono::seconds(10);  ///< with a target that lives, or was there just now
 
   struct Step {
     Target target;
@@ -79,7 +80,11 @@ class RouteDiscovery {
 
   /// The requests due now; failures are kept for take_failures(). `told_hops`: as for search(), for a target that was
   /// not found: while there is a way that is told of, the target lives, and is asked for along it up to kPatience.
-  std::vector<Step> poll(const std::function<std::uint8_t(const Target&)>& told_hops, Time now);
+  /// While there is none and the target still counts as `present`, the last request is repeated for own packets: it may
+  /// be a fade that hides the target.
+  std::vector<Step> poll(
+      const std::function<std::uint8_t(const Target&)>& told_hops, Time now,
+      const std::function<bool(const Target&)>& present = [](const Target&) { return false; });
   std::vector<DiscoveryFailure> take_failures() { return std::exchange(failures_, {}); }
   /// What became of a step, for the account of its search.
   void requested(const Target& target, std::uint32_t id);
@@ -103,6 +108,7 @@ class RouteDiscovery {
     int tries = 0;  ///< at this hop limit
     bool repair = false;
     bool for_others = false;
+    bool prolonged = false;                        ///< all tries are used up, and the target is present
     std::uint8_t told_hops = 0;                    ///< of the way to be tried first
     std::optional<std::uint32_t> newer_than = {};  ///< an exchange, of a route with that number
     int requests = 0;

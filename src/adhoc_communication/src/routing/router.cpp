@@ -41,10 +41,14 @@ std::uint8_t Router::last_hops(const Target& target) const {
 /// Length of the way to the target that life signs came; 0 if none is known, or it is not to be tried.
 std::uint8_t Router::hops_told(const Target& target, Time now) const {
   if (!timings_.directed_requests) return 0;
-  const auto address =
-      target.address != MacAddress{} ? std::optional(target.address) : directory_.address_of(target.name);
-  const Robot* robot = address ? directory_.find(*address) : nullptr;
-  return robot != nullptr && way_told(*address, now) ? robot->hops : 0;
+  const MacAddress address = address_of(target);
+  const Robot* robot = directory_.find(address);
+  return robot != nullptr && way_told(address, now) ? robot->hops : 0;
+}
+
+/// All zero while it is not known.
+MacAddress Router::address_of(const Target& target) const {
+  return target.address != MacAddress{} ? target.address : directory_.address_of(target.name).value_or(MacAddress{});
 }
 
 /// The next hop of a request that is not flooded.
@@ -102,7 +106,8 @@ ToldWay Router::told_way(const MacAddress& destination, Time now) const {
 void Router::poll(Time now) {
   finish_searches(now);
   const auto told = [&](const Target& target) { return hops_told(target, now); };
-  for (const RouteDiscovery::Step& step : discovery_.poll(told, now)) send_request(step, now);
+  const auto present = [&](const Target& target) { return directory_.present(address_of(target)); };
+  for (const RouteDiscovery::Step& step : discovery_.poll(told, now, present)) send_request(step, now);
   record_searches(now);
   flood_.poll(neighbors_, now);
   repeat_replies(now);
@@ -118,9 +123,7 @@ Time Router::next_deadline() const {
 
 void Router::finish_searches(Time now) {
   discovery_.finish_if([&](const Target& target, const std::optional<std::uint32_t>& newer_than) {
-    const auto address =
-        target.address != MacAddress{} ? std::optional(target.address) : directory_.address_of(target.name);
-    const Route* route = address ? routes_.usable(*address, now) : nullptr;
+    const Route* route = routes_.usable(address_of(target), now);
     return route != nullptr && (!newer_than || is_newer(route->sequence, *newer_than));
   });
   record_searches(now);

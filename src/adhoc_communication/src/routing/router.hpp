@@ -84,6 +84,7 @@ class Router {
   void forward_request(wire::RouteRequest request, const MacAddress& from, Time now);
   std::uint8_t last_hops(const Target& target) const;
   std::uint8_t hops_told(const Target& target, Time now) const;
+  MacAddress address_of(const Target& target) const;
   std::optional<MacAddress> way_told(const MacAddress& destination, Time now) const;
   void look_for_better(const Route& route, bool is_source, Time now);
   ToldWay told_way(const MacAddress& destination, Time now) const;

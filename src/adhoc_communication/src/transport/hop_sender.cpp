@@ -29,7 +29,7 @@ bool HopSender::has_lost() const {
 /// More of them would crowd a crowded channel until it carries nothing but repetitions.
 std::size_t HopSender::most_unresolved() const {
   if (probing_) return kProbes;
-  return round_trip_.timeout() < kSlowAnswers ? kMostUnresolved : kFewUnresolved;
+  return round_trip_.timeout() - round_trip_.least() < kSlowAnswers ? kMostUnresolved : kFewUnresolved;
 }
 
 bool HopSender::may_start() const {
@@ -91,7 +91,8 @@ HopSender::Outgoing HopSender::transmit(std::uint32_t link_sequence, InFlight& f
 /// Timers that run out again and again say that the channel is crowded and acknowledgments come late: repeating would
 /// crowd it more.
 Time HopSender::timer() const {
-  return std::min(round_trip_.timeout() * (1 << std::min(expiries_ / kExpiriesPerDoubling, 6)), kLongestTimer);
+  const Time longest = kLongestTimer + round_trip_.least();
+  return std::min(round_trip_.timeout() * (1 << std::min(expiries_ / kExpiriesPerDoubling, 6)), longest);
 }
 
 void HopSender::ask(std::uint64_t counter, Time now) {
@@ -231,7 +232,8 @@ void HopSender::transmission_lost(const Transmission& transmission, bool by_time
 
 Time HopSender::dead_at() const {
   if (!waiting_since_) return Time::max();
-  return std::min(std::max(*waiting_since_, silent_since_) + silence(), last_progress_ + kNoProgress);
+  return std::min(std::max(*waiting_since_, silent_since_) + silence(),
+                  last_progress_ + kNoProgress + round_trip_.least());
 }
 
 bool HopSender::dead(Time now) const { return dead_at() <= now; }
@@ -240,8 +242,8 @@ void HopSender::clear() {
   for (auto& queue : waiting_) queue.clear();
   for (auto& queue : lost_) queue.clear();
   in_flight_.clear();
+  for (const Transmission& transmission : unresolved_) keep_late(transmission);
   unresolved_.clear();
-  late_.clear();
   expiries_ = 0;
   overdue_ = 0;
   probing_ = false;

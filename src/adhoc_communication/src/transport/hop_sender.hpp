@@ -28,7 +28,7 @@ class HopSender {
   /// The same for a sparing one once a timer has run out and nothing was heard for as long: a radio that repeats frames
   /// for a neighbour that is gone has no air for what could find another way.
   static constexpr std::size_t kProbes = 8;
-  static constexpr Time kSlowAnswers = std::chrono::milliseconds(15);  ///< of the timer
+  static constexpr Time kSlowAnswers = std::chrono::milliseconds(15);  ///< of the timer, beyond the shortest round trip
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
   static constexpr Time kShortestTimer = std::chrono::milliseconds(10);
@@ -117,7 +117,7 @@ class HopSender {
   /// Marks frames whose timer has run out as lost.
   void expire(Time now);
   bool dead(Time now) const;
-  /// Drops everything.
+  /// Drops everything. Acknowledgments that come late still tell how long they take.
   void clear();
   /// As clear(); what was not acknowledged, in the order in which it came from each previous hop.
   std::vector<HopFrame> take_all();
@@ -164,7 +164,9 @@ class HopSender {
   std::size_t most_unresolved() const;
   void sample_round_trip(std::uint64_t counter, Time now);
   Time dead_at() const;
-  Time silence() const { return std::clamp(6 * std::max(round_trip_.timeout(), patience_), kSilence, kNoProgress); }
+  Time silence() const {
+    return std::clamp(6 * std::max(round_trip_.timeout(), patience_), kSilence, kNoProgress + round_trip_.least());
+  }
 
   std::uint32_t next_link_sequence_;
   int most_resends_;

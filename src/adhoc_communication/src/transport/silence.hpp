@@ -57,7 +57,9 @@ class Silence {
   }
 
  private:
-  Time backoff(Time round_trip) const { return std::min(round_trip * (2 + resends_) / 2, kLongestBackoff); }
+  Time backoff(Time round_trip) const {
+    return std::min(round_trip * (2 + resends_) / 2, std::max(kLongestBackoff, round_trip));
+  }
 
   int resends_ = 0;
   Time sooner_{0};     ///< the next resend than its backoff

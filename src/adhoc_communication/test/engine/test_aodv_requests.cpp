@@ -71,8 +71,8 @@ TEST(Requests, A4_2_TheLastKnownNumberIsAskedFor) {
   line.answer(far);
   line.lose(line.b);
   line.team.send(0, kFar.name, text("y"));
-  line.run_for(10ms);
-  ASSERT_EQ(line.requests().size(), 1u);
+  line.run_for(700ms);  // the search for the first packet goes on
+  ASSERT_FALSE(line.requests().empty());
   EXPECT_FALSE(line.requests()[0].message.unknown_sequence_number);
   EXPECT_EQ(line.requests()[0].message.destination_sequence, 41u);
 }

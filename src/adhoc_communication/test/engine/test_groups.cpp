@@ -223,7 +223,7 @@ TEST(Groups, AnExplicitJoinThatFailsIsOver) {
   team.run_for(2s);
   team.kill(0);
   team.engine(1).join_group("mc_robot_0", team.now());
-  team.run_for(4s);
+  team.run_for(8s);
   ASSERT_EQ(team.group_changes(1).size(), 1u);
   EXPECT_FALSE(team.group_changes(1)[0].succeeded);
   team.restart(0);

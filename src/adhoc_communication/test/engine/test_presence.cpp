@@ -55,7 +55,7 @@ TEST(Presence, LinkThatComesBackCarriesARouteAtOnce) {
     team.run_for(500ms + seed * 20ms);
     team.medium().set_link_loss(0, 1, 1.0);
     const SendId lost = team.send(1, "robot_0", Bytes(10));
-    team.run_until_done([&] { return team.finished(1, lost) != nullptr; }, 5s);
+    team.run_until_done([&] { return team.finished(1, lost) != nullptr; }, 8s);
     EXPECT_FALSE(team.finished(1, lost)->delivered);
     team.medium().set_link_loss(0, 1, std::nullopt);
     const SendId sent = team.send(1, "robot_0", Bytes(10));
