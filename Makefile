@@ -26,7 +26,7 @@ dependencies:
 # Each prints its table and writes rows of JSON below out/bench.
 bench: bench-adhoc bench-merge bench-explore bench-explore-cpu bench-hardship bench-buildings bench-slam bench-navigation bench-sim bench-guard bench-page bench-doctor
 
-RADIO_PARTS = base goodput multicast mixed_rates routes wifi idle priority
+RADIO_PARTS = base goodput multicast mixed_rates routes wifi channels idle priority
 RADIO_ROWS = $(patsubst %,out/bench/adhoc%.json,_adversaries _scenarios $(addprefix _,$(RADIO_PARTS)) _memory _medium _hosts _babel) out/bench/adhoc.json
 # Each row of docs/results/radio.md is measured by one of bench-adhoc, bench-adhoc-long and fuzz, which leave those of the others
 # as they are.

@@ -21,7 +21,8 @@ const std::vector<std::pair<std::string, std::function<void(const Effort&, Rows&
     {"wifi", measure_wifi},
     {"idle", measure_idle},
     {"priority", measure_priority},
-    {"mobile", measure_mobile}};
+    {"mobile", measure_mobile},
+    {"channels", measure_channels}};
 
 int run(const std::string& part, const Effort& effort, const std::string& file) {
   Rows rows(file);

@@ -39,7 +39,7 @@ struct Effort {
   int trials = 20;         ///< scales the number of seeds
   double minutes = 10;     ///< of virtual time, where a mission is driven
   double patience = 600;   ///< seconds of processor time after which a mission is stopped where it is
-  std::uint64_t seed = 1;  ///< of a mission
+  std::uint64_t seed = 1;  ///< of a mission, or the first of several
 };
 
 double seconds(Time time);
@@ -65,5 +65,6 @@ void measure_wifi(const Effort& effort, Rows& rows);
 void measure_idle(const Effort& effort, Rows& rows);
 void measure_priority(const Effort& effort, Rows& rows);
 void measure_mobile(const Effort& effort, Rows& rows);
+void measure_channels(const Effort& effort, Rows& rows);
 
 }  // namespace adhoc_communication::bench
