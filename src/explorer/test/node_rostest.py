@@ -230,6 +230,7 @@ class TestNode(unittest.TestCase):
         self.assertEqual((status.strategy, status.bid_unit), ("coordinated", 7))
         self.assertEqual((list(status.team), list(status.team_finished)), (["robot_1"], ["robot_1"]))
         self.assertIn("bid ", status.goal_reason)
+        self.assertTrue(status.auction and all(offer.bids[0].robot_name == "robot_0" for offer in status.auction))
         self.assertGreater(status.area_known, 20.0)
 
     def check_statements(self) -> None:

@@ -10,6 +10,7 @@ from conftest import map_of
 from test_agent import Bench, corridor, reply
 from test_scene_file import decisions
 
+from explorer.explanation import reason_of
 from explorer.forecast import rest_of
 from explorer.foreign import Element
 from explorer.messages import Auction
@@ -53,6 +54,32 @@ def test_bids_told_and_heard_and_the_reason_of_the_goal() -> None:
     assert told.reason == expected
 
 
+def test_all_bids_of_the_last_auction_are_told_with_who_explores_what() -> None:
+    """The page of a team showed the bids for the cluster that a robot took, not those that lost."""
+    assert report(Bench(7).map(corridor())).auction is None
+    bench, start = in_auction([50.0, -1.0])
+    told = report(bench).auction
+    assert told is not None and told.auction_id == start.auction_id and len(told.offers) == 2
+    first, second = told.offers
+    assert first.bids["robot_1"] == 50.0 and "robot_1" not in second.bids
+    assert [offer.bids["robot_0"] for offer in told.offers] == [offer.bid for offer in start.requested]
+    own = bench.agent.mission.scene(bench.now).current  # type: ignore[union-attr]
+    assert [offer.place for offer in told.offers if offer.explored_by == "robot_0"] == [own.place]
+    assert sorted(offer.explored_by for offer in told.offers) == ["", "robot_0"]
+
+
+def test_a_cluster_that_another_robot_explores_is_told_as_its_own() -> None:
+    bench = Bench(7).map(corridor()).join("robot_1", position=(-8.0, 0.0))
+    elements = [Element("robot_1", 10000 + i, -3.9, -1.2 + 0.2 * i) for i in range(13)]
+    bench.agent.on_frontiers(elements, bench.now)
+    closing = Auction("robot_1", 10001, True, finished=True, occupied=tuple(e.key for e in elements))
+    bench.agent.on_auction(closing, bench.now)
+    bench.run(3.0)
+    told = report(bench).auction
+    assert told is not None
+    assert {offer.explored_by: offer.place[0] > 0.0 for offer in told.offers} == {"robot_0": True, "robot_1": False}
+
+
 @pytest.mark.parametrize(
     "strategy, reason", [(0, "nearest frontier by travel path"), (2, "furthest frontier"), (4, "random frontier")]
 )
@@ -60,6 +87,17 @@ def test_the_reason_of_a_strategy_without_clusters_is_its_title(strategy: int, r
     bench = Bench(strategy).map(corridor())
     bench.run(1.0)
     assert report(bench).reason == reason
+
+
+def test_a_choice_that_is_not_the_cheapest_says_how_many_are() -> None:
+    """`1 of them lower of 9 clusters` was hard to read."""
+    bench, _ = in_auction([50.0, 60.0])
+    mission, strategy = bench.agent.mission, bench.agent.mission.strategy
+    scene, goal = mission.scene(bench.now), mission.driver.goal
+    assert scene is not None and goal is not None
+    dearest = max(scene.open, key=lambda each: strategy.bid(scene, each))  # type: ignore[attr-defined]
+    reason = reason_of(replace(goal, cluster=dearest.number), State.EXPLORING, strategy, scene, {})
+    assert reason.endswith(" m, 1 of 2 clusters is cheaper")
 
 
 def test_reasons_of_the_only_cluster_and_of_the_way_home() -> None:

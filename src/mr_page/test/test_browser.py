@@ -41,6 +41,7 @@ def test_the_page_is_clicked_through(team):
             assert await tab.run(text("#status")) == "exploring"
             await views(tab)
             await panels(tab)
+            await lost_bids(tab)
             await orders(tab)
             await limits(tab)
             await orders_by_radio(tab)
@@ -78,6 +79,26 @@ async def panels(tab):
     ):  # fmt: skip
         await tab.click(f"#tab-{name}")
         await tab.wait_for(f"({shown}).includes('{part}')")
+
+
+async def lost_bids(tab):
+    """The page showed the bids for what a robot chose, not those that others won or lost."""
+    await tab.click("#tab-choices")
+    folded = "document.querySelector('#panels details')"
+    await tab.wait_for(f"{folded}?.textContent.includes('Last auction of robot_0: 3 clusters, it explores')")
+    assert not await tab.run(f"{folded}.open")
+    await tab.click("#panels summary")
+    await tab.wait_for(
+        f"{folded}.open && {folded}.textContent.includes('robot_1 explores itbids: robot_0 12.4 · robot_1 3.3')"
+    )
+    assert await tab.run(f"[...{folded}.querySelectorAll('b')].map((e) => e.textContent)") == [
+        "robot_0 7.2",
+        "robot_1 3.3",
+    ]
+    await tab.click("#tab-area")
+    await tab.click("#tab-choices")
+    assert await tab.run(f"{folded}.open")  # what is told anew folds nothing
+    await tab.click("#panels summary")
 
 
 async def orders(tab):

@@ -13,6 +13,7 @@ def messages(odd):
     from explorer.msg import (
         ExplorationBid,
         ExplorationLeftover,
+        ExplorationOffer,
         ExplorationShare,
         ExplorationState,
         ExplorationStatus,
@@ -29,6 +30,9 @@ def messages(odd):
         decision_values: ExplorationStatus(
             has_goal=True, goal=place, bids=[ExplorationBid("a", odd)], area_known=odd, expected_rest=odd,
             time_limit=odd, distance=odd,
+            auction=[
+                ExplorationOffer(place, [], ""), ExplorationOffer(Point(1, 2, 0), [ExplorationBid("b", odd)], "b"),
+            ],
             assignment=[ExplorationShare("a", place)], left=[ExplorationLeftover(place=place, size=odd)],
         ),
         team_values: TeamOverview(robots=[TeamMember(state=TeamState(robot_name="a", area_known=odd), age=odd)]),
@@ -46,4 +50,5 @@ def test_numbers_that_are_none_are_told_as_none_or_not_at_all(odd):
     told = {values.__name__: values(message) for values, message in messages(odd).items()}
     json.dumps(told, allow_nan=False)
     assert told["decision_values"]["goal"] is None and told["decision_values"]["area"] is None
+    assert told["decision_values"]["auction"] == [[1, 2, {"b": None}, "b"]]
     assert [robot["robot"] for robot in told["merger_values"]["robots"]] == ["b"]

@@ -45,6 +45,15 @@ def test_a_choice_is_a_goal_that_is_another(state, watch):
     ]  # fmt: skip
 
 
+def test_all_bids_of_the_last_auction_are_kept_by_themselves(state, watch):
+    """Those that lost, too; the decision that changes every second does not carry them along."""
+    won = [1.0, 2.0, {"robot_0": 7.2, "robot_1": 9.1}, "robot_0"]
+    offers = [won, [5.0, 6.0, {"robot_0": 3.1, "robot_1": 3.0}, "robot_1"]]
+    watch.decision(decision(auction=offers), 1.0)
+    assert state.get("robot_0", "auction") == {"offers": offers, "unit": 7}
+    assert "auction" not in state.get("robot_0", "decision")
+
+
 def test_the_known_area_goes_on_when_the_clock_was_set_back(state, watch):
     for now in (3600.0, 0.0, 1.0, 2.0):
         watch.decision(decision(area=now), now)

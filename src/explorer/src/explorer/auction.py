@@ -36,6 +36,7 @@ class OpenAuction:
         self.deadline = deadline
         self.unit = unit
         self.bids: Dict[str, Dict[int, float]] = {}
+        self.places = {cluster.number: cluster.place for cluster in clusters}  # m
         self._own_name = own_name
         self._awaited = set(bidders)
         self._strangers: Set[str] = set()

@@ -27,9 +27,14 @@ def _among_own(scene: Scene, cluster: Cluster, strategy: Strategy) -> str:
     own = strategy.bid(scene, cluster)
     free = [each for each in scene.open if each.number not in scene.claimed and each.number != cluster.number]
     less = sum(strategy.bid(scene, each) < own for each in free)
-    rank = "the lowest" if not less else f"{less} of them lower"
-    among = f", {rank} of {len(free) + 1} clusters" if free else ", the only cluster left to it"
-    return f"bid {_amount(own, strategy)}{among}"
+    count = len(free) + 1
+    if not free:
+        among = "the only cluster left to it"
+    elif not less:
+        among = f"the lowest of {count} clusters"
+    else:
+        among = f"{less} of {count} clusters {'is' if less == 1 else 'are'} cheaper"
+    return f"bid {_amount(own, strategy)}, {among}"
 
 
 def _among_others(cluster: Cluster, heard: Bids, strategy: Strategy) -> str:

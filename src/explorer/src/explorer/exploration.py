@@ -5,6 +5,7 @@ from typing import Optional
 from explorer.agreement import Agreement
 from explorer.announcing import Announcing
 from explorer.answering import Answering
+from explorer.auction_result import AuctionResult, result_of
 from explorer.auctions import Auctions
 from explorer.claim import OwnClaim
 from explorer.course import Course
@@ -63,6 +64,7 @@ class Exploration:
         self.claim = OwnClaim(name)
         self.driver = Driver(options, emit, last_goal)
         self.auctions = Auctions(name, self.team, options.auction_timeout, emit, last_auction, strategy.unit)
+        self.last_auction: Optional[AuctionResult] = None
         self.sharing = Sharing(name, self.team, perception.frontiers, self.verdicts, emit)
         self.ending = Ending(options.finish_delay, perception, self.verdicts, self.driver, self.claim, emit)
         self._outcomes = Outcomes(
@@ -251,6 +253,7 @@ class Exploration:
         if auction is not None:
             self._selection.close(auction.auction_id, auction.bids, self._scenes.scene(now))
             scene = self._scenes.scene(now)
+            self.last_auction = result_of(auction, self.auctions.told, scene)
         if may_drive and self.driver.may_send(now):
             self._selection.select(scene)
         self._selection.confirm(scene)

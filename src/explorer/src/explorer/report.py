@@ -6,6 +6,7 @@ from typing import Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from explorer.auction_result import AuctionResult
 from explorer.explanation import reason_of
 from explorer.exploration import Exploration
 from explorer.forecast import rest_of
@@ -34,9 +35,10 @@ class Left:
 @dataclass(frozen=True)
 class Report:
     """`ended_by`: how the exploration ended, empty while it has not. `reason`: why the robot drives to its goal.
-    `bids`: {robot: bid for its cluster}, in `unit`. `assignment`: {robot: place in m of its cluster}. `area`: known, in
-    m^2. `rest`: expected, in s, NaN while unknown. `team`: {robot that the radio reaches: what it has said last of the
-    end}; None for robots that say nothing of it and still explore. `limits`: of the exploration."""
+    `bids`: {robot: bid for its cluster}, and `auction`, the last one that it has held, in `unit`. `assignment`: {robot:
+    place in m of its cluster}. `area`: known, in m^2. `rest`: expected, in s, NaN while unknown. `team`: {robot that
+    the radio reaches: what it has said last of the end}; None for robots that say nothing of it and still explore.
+    `limits`: of the exploration."""
 
     status: Status
     paused: bool
@@ -45,6 +47,7 @@ class Report:
     strategy: str
     unit: int
     bids: Mapping[str, float]
+    auction: Optional[AuctionResult]
     assignment: Mapping[str, Position]
     area: float
     rest: float
@@ -66,6 +69,7 @@ def report_of(
         strategy=strategy.name,
         unit=strategy.unit,
         bids={} if scene is None else _bids(status.robot, mission, scene),
+        auction=mission.last_auction,
         assignment={} if scene is None else _assignment(status.robot, scene),
         area=0.0 if occupancy is None else occupancy.known_area,
         rest=_rest(mission, scene, status),

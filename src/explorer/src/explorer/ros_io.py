@@ -20,6 +20,7 @@ from geometry_msgs.msg import Point, PointStamped, Quaternion
 from move_base_msgs.msg import MoveBaseGoal
 from nav_msgs.msg import GridCells, OccupancyGrid
 
+from explorer.auction_result import Offer
 from explorer.errors import MapError
 from explorer.foreign import Element, Key, rigid_transform
 from explorer.grid import OccupancyMap
@@ -27,6 +28,7 @@ from explorer.messages import PAPER_UNIT, Auction, Bid, SendAuction, SendFrontie
 from explorer.msg import (
     ExplorationBid,
     ExplorationLeftover,
+    ExplorationOffer,
     ExplorationShare,
     ExplorationState,
     ExplorationStatus,
@@ -219,6 +221,8 @@ def status_to(report: Report, frame: str) -> ExplorationStatus:
         strategy=report.strategy,
         bids=[ExplorationBid(robot, bid) for robot, bid in report.bids.items()],
         bid_unit=report.unit,
+        auction_id=0 if report.auction is None else report.auction.auction_id,
+        auction=[] if report.auction is None else [_offer_to(offer) for offer in report.auction.offers],
         assignment=[ExplorationShare(robot, Point(x, y, 0.0)) for robot, (x, y) in report.assignment.items()],
         area_known=report.area,
         expected_rest=math.nan if math.isnan(report.rest) else round(report.rest),
@@ -234,6 +238,11 @@ def status_to(report: Report, frame: str) -> ExplorationStatus:
     )
     message.header.frame_id = frame
     return message
+
+
+def _offer_to(offer: Offer) -> ExplorationOffer:
+    bids = [ExplorationBid(robot, bid) for robot, bid in offer.bids.items()]
+    return ExplorationOffer(Point(*offer.place, 0.0), bids, offer.explored_by)
 
 
 def cluster_grids(picture: Picture, count: int, frame: str, stamp: rospy.Time) -> List[GridCells]:

@@ -31,8 +31,13 @@ def decision_values(message: Any) -> dict[str, Any]:
         "goal": _place(message.goal) if message.has_goal and _is_place(message.goal) else None,
         "reason": message.goal_reason,
         "strategy": message.strategy,
-        "bids": {bid.robot_name: number(bid.bid, 2) for bid in message.bids[:MOST]},
+        "bids": _bids(message.bids),
         "unit": message.bid_unit,
+        "auction": [
+            [*_place(offer.place), _bids(offer.bids), offer.explored_by]
+            for offer in message.auction[:MOST]
+            if _is_place(offer.place)
+        ],
         "shares": {
             share.robot_name: _place(share.place) for share in message.assignment[:MOST] if _is_place(share.place)
         },
@@ -140,6 +145,10 @@ def _is_place(point: Any) -> bool:
 
 def _place(point: Any) -> list[float]:
     return [round(point.x, 2), round(point.y, 2)]
+
+
+def _bids(bids: Any) -> dict[str, float | None]:
+    return {bid.robot_name: number(bid.bid, 2) for bid in bids[:MOST]}
 
 
 def _age(seconds: float) -> float | None:

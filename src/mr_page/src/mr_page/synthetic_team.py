@@ -207,6 +207,9 @@ class SyntheticTeam:
         frontiers = [robot.local(*self._beside(robot, angle)) for angle in np.linspace(0.0, 2.0 * math.pi, 40)]
         other = self.robots[(self.robots.index(robot) + 1) % len(self.robots)]
         bids = {robot.name: 7.2, other.name: 9.1}
+        lost = {robot.name: 12.4, other.name: 3.3}
+        there = [round(value, 2) for value in robot.local(*robot.centre(other.goals[0] if other.goals else other.room))]
+        auction = [[*place, bids, robot.name], [*there, lost, other.name], [1.0, 2.0, {robot.name: 20.5}, ""]]
         robot.watch.exploration(
             {
                 "state": "exploring" if begun else "starting", "text": "drives to a frontier", "finished": False,
@@ -220,6 +223,7 @@ class SyntheticTeam:
                 "paused": robot.paused, "ended_by": "", "goal": place if begun else None,
                 "reason": f"bid 7.2 m, the lowest of 4 clusters; {other.name} bids 9.1 m", "strategy": "tours",
                 "bids": bids, "unit": 7, "shares": {robot.name: place}, "left": [], "team_finished": [],
+                "auction": auction if begun else [],
                 "area": round(float(np.count_nonzero(robot.known)) * RESOLUTION**2, 1), "rest": 300,
                 "limits": robot.limits, "way": round(SPEED * max(0.0, self.now - 100.0)),
             },

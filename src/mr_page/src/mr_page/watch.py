@@ -73,8 +73,11 @@ class RobotWatch:
         self._stage = stage
 
     def decision(self, values: Values, now: float) -> None:
-        """Of explorer/ExplorationStatus: what the robot explores and why."""
-        self._state.put(self._robot, "decision", dict(values))
+        """Of explorer/ExplorationStatus: what the robot explores and why, and all bids of its last auction."""
+        told = dict(values)
+        # Kept by itself: it changes seldom, the rest every second.
+        self._state.put(self._robot, "auction", {"offers": told.pop("auction"), "unit": values["unit"]})
+        self._state.put(self._robot, "decision", told)
         if not 0.0 <= now - self._area_at < AREA_PERIOD:  # also when the clock was set back
             self._area_at = now
             self._state.append(self._robot, "area", [round(now, 1), values["area"]])

@@ -99,17 +99,22 @@ function drawStreams(chart, theme, live, stream, value) {
   chart.draw(span.end, lines.map((one) => ({ value: one.value.at(-1) ?? null, colour: one.colour, radius: 2.5 })));
 }
 
-/** Who got what in the auctions, and why. */
+/** Who chose what and why, and all bids of the last auctions, those that lost, too. */
 export class ChoicePanel {
   constructor(theme) {
     this.name = "choices";
     this.title = "Auctions";
-    this.element = make("ol", undefined, "list");
-    this._filled = new Filled(this.element);
+    this.element = make("div");
+    const list = make("ol", undefined, "list"), auctions = make("div");
+    this.element.append(auctions, list);
+    this._filled = new Filled(list);
+    this._auctions = new Filled(auctions);
+    this._unfolded = new Map(); // by robot, what somebody has unfolded or folded
     this._theme = theme;
   }
 
   fill(live, view) {
+    this._fillAuctions(live, about(live, view).filter(({ values }) => values.auction?.offers.length));
     const all = about(live, view).flatMap((robot) => robot.stream("choices").slice(-30).map((item) => ({ robot, item })));
     all.sort((a, b) => b.item[0] - a.item[0]);
     const newest = all.slice(0, 40);
@@ -118,14 +123,50 @@ export class ChoicePanel {
     ));
   }
 
+  _fillAuctions(live, robots) {
+    const told = robots.map(({ name, values }) => [name, values.auction]);
+    this._auctions.fill([this._theme.dark, told], () => [
+      ...told.map(([name, auction]) => this._auction(live, name, auction, told.length === 1)),
+      ...(told.length ? [make("p", "Bold: the bid of who explores it. The lowest bid may lose: all are weighed together.", "hint")] : []),
+    ]);
+  }
+
+  /** The last auction that a robot has held, folded to one line where there are several robots. */
+  _auction(live, name, { offers, unit }, alone) {
+    const box = make("details"), head = make("summary"), list = make("ul", undefined, "list");
+    const own = offers.find(([, , , by]) => by === name), count = `${offers.length} cluster${offers.length === 1 ? "" : "s"}`;
+    const got = own ? `it explores (${fixed(own[0], 1)}, ${fixed(own[1], 1)})` : "none is for it";
+    head.append(swatch(this._theme, live.number(name)), `Last auction of ${name}: ${count}, ${got}`);
+    for (const [x, y, bids, by] of offers) {
+      const item = make("li"), text = make("div");
+      text.append(`(${fixed(x, 1)}, ${fixed(y, 1)}): ${by ? `${by} explores it` : "left to whoever is free next"}`, bidLine(bids, unit, by));
+      item.append(swatch(this._theme, live.number(by)), text);
+      if (!by) item.firstChild.style.background = "none";
+      list.append(item);
+    }
+    box.open = this._unfolded.get(name) ?? alone;
+    head.addEventListener("click", () => this._unfolded.set(name, !box.open));
+    box.append(head, list);
+    return box;
+  }
+
   _line(live, { robot, item: [time, x, y, reason, bids, unit] }) {
     const item = make("li"), text = make("div");
     text.append(make("b", robot.name), ` to (${fixed(x, 1)}, ${fixed(y, 1)}): ${reason || "no reason given"}`);
-    const told = Object.entries(bids).map(([name, bid]) => `${name} ${bid === null ? "∞" : bid}${unit === 1 ? " m²" : ""}`);
-    if (told.length) text.append(make("div", `bids: ${told.join(" · ")}`, "hint"));
+    if (Object.keys(bids).length) text.append(bidLine(bids, unit));
     item.append(make("time", clock(time - live.begin)), swatch(this._theme, live.number(robot.name)), text);
     return item;
   }
+}
+
+/** Bids in small print, that of the robot `winner` in bold. */
+function bidLine(bids, unit, winner) {
+  const line = make("div", "bids: ", "hint");
+  Object.entries(bids).forEach(([name, bid], i) => {
+    const told = `${name} ${bid === null ? "∞" : fixed(bid, 1)}${unit === 1 ? " m²" : ""}`;
+    line.append(i ? " · " : "", name === winner ? make("b", told) : told);
+  });
+  return line;
 }
 
 /** Whose map is placed in whose, or why not. */
