@@ -3,6 +3,7 @@ again from what was recorded, without robots."""
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import time
@@ -125,6 +126,11 @@ def test_every_robot_has_its_master_and_time_and_ctrl_c_leaves_nothing(
     playing: "tuple[subprocess.Popen[str], Path]",
 ) -> None:
     process, out = playing
+    # The command to look inside was told before there was anything to look into.
+    assert process.stdout is not None
+    told = next(line for line in process.stdout if "rosrun" in line)
+    words = shlex.split(told.partition("look inside with: ")[2])
+    assert "/clock" in subprocess.run(words, capture_output=True, text=True, timeout=60, check=False).stdout
     while "state:" not in enter(out, "robot_1", *LOOK, "/explorer/state").stdout:
         assert process.poll() is None
         time.sleep(0.3)

@@ -17,7 +17,7 @@ from mr_launch.plan import PLAN_FILE, Plan, RobotPlan
 from mr_launch.recordings import replay_command
 from mr_launch.recordings.bags import Span, opened
 from mr_launch.recordings.cut import cut, is_played
-from mr_launch.recordings.inside import delay
+from mr_launch.recordings.inside import delay, look_inside
 from mr_launch.recordings.recording import find_recording
 from mr_launch.recordings.replay_command import COMPUTED, main, make_parser, make_plan, played_spans
 
@@ -219,15 +219,14 @@ def test_a_replay_that_took_longer_than_asked_says_so():
     assert delay(2.0, 5.1) == " in 5 s, not 2 s: time waits for nodes that need longer"
 
 
-def test_the_command_to_look_inside_can_be_copied(tmp_path, capsys, monkeypatch):
+def test_the_command_to_look_inside_can_be_copied(tmp_path, monkeypatch):
     """Also where the folder has a blank."""
-    record(tmp_path / "a" / "a.bag", 3, 4)
-    monkeypatch.setattr(replay_command, "run_inside", lambda *_: 0)
-    out = tmp_path / "my replay"
-    assert main([str(tmp_path / "a"), "--out", str(out), "--isolation", "hub"]) == 0
-    (line,) = (line for line in capsys.readouterr().err.splitlines() if "rosrun" in line)
-    words = shlex.split(line.partition("with: ")[2])
-    assert words == ["rosrun", "mr_launch", "enter", "--team", str(out), "a", "rostopic", "list"]
+    record(tmp_path / "my records" / "a" / "a" / "a.bag", 3, 4)
+    plan = planned(tmp_path / "my records", "a")
+    monkeypatch.chdir(tmp_path)
+    assert shlex.split(look_inside(plan)) == [
+        "rosrun", "mr_launch", "enter", "--team", "my records/out", "a", "rostopic", "list",
+    ]  # fmt: skip
 
 
 def record_base(path):

@@ -129,7 +129,8 @@ struct GroupState {
   bool connected = false;
   bool root = false;
   bool joining = false;
-  std::string route_uplink;
+  std::string uplink;                  ///< next robot on the way to the root, or its address; empty without one
+  std::string route_uplink;            ///< the same in the words of the original
   std::vector<std::string> downlinks;  ///< neighbours through which members are reached, or their addresses
   std::vector<std::string> members;    ///< at the root only
 };

@@ -56,8 +56,8 @@ GroupState GroupTraffic::state(const std::string& group, Time now) const {
   }
   if (!on_tree && route == nullptr) return state;
   const std::string hops = std::to_string(route == nullptr ? 1 : route->hops);
-  state.route_uplink =
-      "Next hop:" + name(on_tree ? *tree->upstream : route->next_hop) + " RD:" + hops + " HOBS:" + hops + " CH:" + hops;
+  state.uplink = name(on_tree ? *tree->upstream : route->next_hop);
+  state.route_uplink = "Next hop:" + state.uplink + " RD:" + hops + " HOBS:" + hops + " CH:" + hops;
   return state;
 }
 

@@ -46,7 +46,7 @@ NetworkGroup group_message(const std::string& name, const GroupState& group) {
   message.member = group.member;
   message.connected = group.connected;
   message.joining = group.joining;
-  message.uplink = group.route_uplink;
+  message.uplink = group.uplink;
   message.downlinks = group.downlinks;
   message.members = group.members;
   return message;

@@ -84,6 +84,7 @@ TEST(Trees, NeighborsWithoutANameAreShownByTheirAddress) {
   branch.activate(above, 7, {branch.self().address, kFar.address});
   const GroupState state = branch.node().group_state("mc_" + branch.a.name);
   EXPECT_EQ(state.downlinks, std::vector<std::string>{address_text(below.address)});
+  EXPECT_EQ(state.uplink, address_text(above.address));
   EXPECT_EQ(state.route_uplink.rfind("Next hop:" + address_text(above.address) + " ", 0), 0u) << state.route_uplink;
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -73,6 +74,7 @@ class Replay:
         )
         self._wait(lambda: not any(report.missing for report in self._reports.values()), READY_PATIENCE, self._missing)
         self._begun = True
+        say(f"replay: plays; look inside with: {look_inside(self.plan)}")
         for name in self._reports:
             self._server.request(name, request="go")
         begun = time.monotonic()
@@ -160,6 +162,12 @@ class Replay:
         self._server.close()
         with contextlib.suppress(OSError):
             remove_state(Path(self.plan.out))
+
+
+def look_inside(plan: ReplayPlan) -> str:
+    """A command that works from the moment on at which the robots are there."""
+    out = min(plan.out, os.path.relpath(plan.out), key=len)
+    return f"rosrun mr_launch enter --team {shlex.quote(out)} {plan.robots[0].name} rostopic list"
 
 
 def delay(asked: float, taken: float) -> str:

@@ -7,7 +7,6 @@ import contextlib
 import json
 import math
 import os
-import shlex
 import shutil
 import sys
 import time
@@ -85,10 +84,8 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _play(plan: ReplayPlan, out: Path) -> int:
-    names, first = ", ".join(robot.name for robot in plan.robots), plan.robots[0].name
-    print(f"replay: {names}, {plan.seconds:.0f} s", file=sys.stderr)
-    inside = f"rosrun mr_launch enter --team {shlex.quote(str(out))} {first} rostopic list"
-    print(f"replay: look inside with: {inside}", file=sys.stderr)
+    names = ", ".join(robot.name for robot in plan.robots)
+    print(f"replay: {names}, {plan.seconds:.0f} s; nodes come up", file=sys.stderr)
     code = run_inside(
         "mr_launch.recordings.inside", plan.isolation, lambda private: replace(plan, private=private).to_json()
     )
