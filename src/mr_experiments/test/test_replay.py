@@ -286,6 +286,19 @@ def test_death_late_start_and_warnings_are_told(record):
     assert (8, "warning") not in events
 
 
+def test_a_warning_that_comes_again_at_once_is_told_once(record):
+    """Of a robot out of reach a mission had eighty lines `Exception thrown while processing service call`."""
+    record = copy.deepcopy(record)
+    text = "Exception thrown while processing service call: not delivered to robot_1"
+    times = [("robot_0", 7.0), ("robot_0", 7.1), ("robot_1", 7.2), ("robot_0", 26.0), ("robot_0", 27.0)]
+    record["notes"] = [{"at": at, "robot": robot, "text": text, "warning": True} for robot, at in times]
+    told = [(event["at"], event["text"]) for event in data_of(record)["events"] if event["kind"] == "warning"]
+    assert told == [
+        (7, "robot_0: not delivered to robot_1 (3 times)"), (7.2, "robot_1: not delivered to robot_1"),
+        (27, "robot_0: not delivered to robot_1"),
+    ]  # fmt: skip
+
+
 # Growth of maps
 
 

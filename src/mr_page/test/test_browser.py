@@ -85,11 +85,11 @@ async def lost_bids(tab):
     """The page showed the bids for what a robot chose, not those that others won or lost."""
     await tab.click("#tab-choices")
     folded = "document.querySelector('#panels details')"
-    await tab.wait_for(f"{folded}?.textContent.includes('Last auction of robot_0: 3 clusters, it explores')")
+    await tab.wait_for(f"{folded}?.textContent.includes('Last auction of robot_0: 3 clusters, it took')")
     assert not await tab.run(f"{folded}.open")
     await tab.click("#panels summary")
     await tab.wait_for(
-        f"{folded}.open && {folded}.textContent.includes('robot_1 explores itbids: robot_0 12.4 · robot_1 3.3')"
+        f"{folded}.open && {folded}.textContent.includes('explored by robot_1bids: robot_0 12.4 · robot_1 3.3')"
     )
     assert await tab.run(f"[...{folded}.querySelectorAll('b')].map((e) => e.textContent)") == [
         "robot_0 7.2",

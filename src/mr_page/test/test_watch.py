@@ -105,6 +105,11 @@ def test_the_mission_begins_when_the_robot_does(state, watch):
     assert items(state, "events") == [[51.0, "exploring", "robot_0: exploring", ""]]
 
 
+def test_a_refused_service_call_is_told_in_the_words_of_the_service(state, watch):
+    watch.log("error", "/adhoc_communication", "Exception thrown while processing service call: no route to b", 1.0)
+    assert items(state, "log") == [[1.0, "error", "adhoc_communication", "no route to b"]]
+
+
 def test_logs_are_held_back(state, watch):
     for number in range(100):
         watch.log("warning", "/slam", f"line {number}", 3.0)

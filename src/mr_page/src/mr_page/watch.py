@@ -16,6 +16,7 @@ AREA_PERIOD = 2.0  # s between two samples of the known area
 NEW_GOAL = 0.5  # m; a goal that moves less follows its frontier
 LOG_LINES = 10  # a second at most
 SAME_LINE = 20.0  # s in which a line of a node is not told again
+REFUSED = "Exception thrown while processing service call: "  # roscpp's words before a refusal, which is no fault
 TEXT = 400  # characters of a line that is shown
 POINTS = 1000  # of a kind that are shown
 
@@ -162,6 +163,7 @@ class RobotWatch:
     def log(self, level: str, node: str, text: str, now: float) -> None:
         """A line of a node's log; at most LOG_LINES a second, the others are left out, and none again at once."""
         self._lines = {line: at for line, at in self._lines.items() if 0.0 <= now - at < SAME_LINE}
+        text = text.removeprefix(REFUSED)
         second, count = self._logged
         count = count if int(now) == second else 0
         if (node, text) in self._lines or count >= LOG_LINES:

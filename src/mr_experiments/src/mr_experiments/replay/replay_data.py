@@ -8,9 +8,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from mr_measures.record.mission_record import MissionRecord
+from mr_measures.record.mission_record import MissionRecord, Note
 from mr_measures.record.robot_record import Merge, RobotRecord
 from mr_measures.record.series import RobotSeries, TeamSeries
+from mr_page.watch import REFUSED
 
 STATES = ("starting", "exploring", "waiting", "returning", "finished")  # of explorer/ExplorationState, by number
 
@@ -19,6 +20,7 @@ POSE_DIGITS = {"x": 3, "y": 3, "yaw": 3}
 ROBOT_DIGITS = {**POSE_DIGITS, "explored": 1, "own": 1, "distance": 1, "bytes": 0, "state": 0}
 TEAM_DIGITS = {"explored": 1, "coverage": 4}
 TIME_DIGITS = 2
+SAME_WARNING = 20.0  # s
 
 Robots = Mapping[str, RobotRecord]
 
@@ -191,14 +193,25 @@ def events(robots: Sequence[Mapping[str, Any]], merged: Sequence[Mapping[str, An
 
 
 def warnings(record: MissionRecord, end: float) -> list[dict]:
-    """Warnings of the robots' programs as events of kind "warning", in the order of time."""
+    """Warnings of the robots' programs as events of kind "warning", in the order of time; one that comes again within
+    SAME_WARNING after its first time is told once, with how many times."""
     numbers = {name: index for index, name in enumerate(record.robots)}
-    result = [
-        {"at": _moment(note.at), "robot": numbers[note.robot], "kind": "warning", "text": f"{note.robot}: {note.text}"}
-        for note in record.notes
-        if note.warning and note.robot in numbers and note.at <= end
-    ]
-    return sorted(result, key=lambda event: event["at"])  # type: ignore[arg-type, return-value]
+    notes = [note for note in record.notes if note.warning and note.robot in numbers and note.at <= end]
+    told: list[list[Note]] = []
+    newest: dict[tuple[str, str], list[Note]] = {}
+    for note in sorted(notes, key=lambda note: note.at):
+        group = newest.get((note.robot, note.text))
+        if group is None or note.at - group[0].at >= SAME_WARNING:
+            group = newest[note.robot, note.text] = []
+            told.append(group)
+        group.append(note)
+    return [_warning(numbers[group[0].robot], group[0], len(group)) for group in told]
+
+
+def _warning(robot: int, note: Note, times: int) -> dict:
+    text = note.text.removeprefix(REFUSED)
+    often = f" ({times} times)" if times > 1 else ""
+    return {"at": _moment(note.at), "robot": robot, "kind": "warning", "text": f"{note.robot}: {text}{often}"}
 
 
 def _merge_event(merge: Mapping[str, Any], robots: Sequence[Mapping[str, Any]]) -> dict:

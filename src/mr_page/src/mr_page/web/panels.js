@@ -135,11 +135,11 @@ export class ChoicePanel {
   _auction(live, name, { offers, unit }, alone) {
     const box = make("details"), head = make("summary"), list = make("ul", undefined, "list");
     const own = offers.find(([, , , by]) => by === name), count = `${offers.length} cluster${offers.length === 1 ? "" : "s"}`;
-    const got = own ? `it explores (${fixed(own[0], 1)}, ${fixed(own[1], 1)})` : "none is for it";
+    const got = own ? `it took (${fixed(own[0], 1)}, ${fixed(own[1], 1)})` : "none was for it";
     head.append(swatch(this._theme, live.number(name)), `Last auction of ${name}: ${count}, ${got}`);
     for (const [x, y, bids, by] of offers) {
       const item = make("li"), text = make("div");
-      text.append(`(${fixed(x, 1)}, ${fixed(y, 1)}): ${by ? `${by} explores it` : "left to whoever is free next"}`, bidLine(bids, unit, by));
+      text.append(`(${fixed(x, 1)}, ${fixed(y, 1)}): ${by ? `explored by ${by}` : "explored by nobody yet"}`, bidLine(bids, unit, by));
       item.append(swatch(this._theme, live.number(by)), text);
       if (!by) item.firstChild.style.background = "none";
       list.append(item);
