@@ -58,3 +58,28 @@ def test_wheels_that_slip_are_seen_by_any_laser(beams: int, reach: float) -> Non
         odometry = Pose(0.03 * max(0, step - 40), 0.0, 0.0)
         pose = slam.process(all_around(beams, reach, box, Pose(), random), odometry, 0.1 * step).pose
     assert odometry.x > 1.5 and math.hypot(pose.x, pose.y) < 0.05
+
+
+def test_a_laser_at_the_front_that_looks_ahead_does_not_leave_the_robot_in_unknown_ground() -> None:
+    """Of what a laser 0.3 m ahead that sees half a circle does not see, only a disc of 0.17 m around the middle was
+    free: a ring of unknown cells closed every way of a robot that had not moved."""
+    slam, mount = slam_with(), Pose(0.3, 0.0, 0.0)
+    angles = np.linspace(-math.pi / 2.0, math.pi / 2.0, 181)
+    with np.errstate(divide="ignore"):
+        ranges = np.minimum(1.7 / np.abs(np.sin(angles)), 2.5 / np.cos(angles)).astype(np.float32)
+    for step in range(40):
+        scan = LaserScan(ranges, float(angles[0]), math.pi / 180.0, 0.02, 5.6, mount)
+        slam.process(scan, Pose(), 0.1 * step)
+    grid = slam.map()
+    ahead = grid.info.cells_of(np.array([(x, y) for x in np.arange(0.0, 1.0, 0.02) for y in (-0.03, 0.0, 0.03)]))
+    assert (grid.cells[tuple(ahead.T)] == 0).all()
+    behind = grid.info.cells_of(np.array([(-0.3, 0.0), (0.2, 0.2)]))
+    assert (grid.cells[tuple(behind.T)] == -1).all(), "what it neither sees nor stands on stays unknown"
+
+
+def test_a_robot_wider_than_two_metres_has_a_map() -> None:
+    """The map was made for a metre around the robot only, whatever was freed below it."""
+    slam = slam_with(free_radius=1.4)
+    slam.process(all_around(360, 5.0, (-3.0, 3.0, -3.0, 3.0), Pose(), np.random.default_rng(1)), Pose(), 0.0)
+    grid = slam.map()
+    assert grid.cells[tuple(grid.info.cell_of(1.3, 0.0))] == 0

@@ -12,6 +12,7 @@ constexpr int kBlock = Surfaces::kBlock;  // the grid grows by whole blocks of c
 constexpr float kMemory = 60.0F;          // hits after which a surface is a running mean
 constexpr double kSurfaceReach = 0.02;    // m, a beam passing a surface this near has seen through it
 constexpr double kBehind = 0.1;           // m, and it must end this far behind it
+constexpr double kStripShare = 0.5;       // of the radius that is free: half the width of the strip out to the laser
 
 int block_floor(int value) { return static_cast<int>(std::floor(static_cast<double>(value) / kBlock)) * kBlock; }
 
@@ -115,7 +116,8 @@ void GridMap::change_odds(const Cell& cell, int step) {
 
 void GridMap::begin_scan(const Scan& scan, const Pose& robot) {
   const Frame frame(robot);
-  Cell low = cell_of({robot.x - 1.0, robot.y - 1.0}), high = cell_of({robot.x + 1.0, robot.y + 1.0});
+  const double reach = std::max({1.0, options_.free_radius, length_of(scan.eye.x, scan.eye.y)});
+  Cell low = cell_of({robot.x - reach, robot.y - reach}), high = cell_of({robot.x + reach, robot.y + reach});
   const auto include = [&](const Cell& cell) {
     low = {std::min(low.x, cell.x - 1), std::min(low.y, cell.y - 1)};
     high = {std::max(high.x, cell.x + 1), std::max(high.y, cell.y + 1)};
@@ -142,7 +144,7 @@ bool GridMap::insert(const Scan& scan, const Pose& robot, int origin) {
   const Frame frame(robot);
   const Point eye = frame * scan.eye;
   for (const Beam& beam : scan.beams) see_through(eye, frame * beam.end);
-  free_footprint(robot);
+  free_footprint(robot, scan.eye);
   return changed_;
 }
 
@@ -278,13 +280,21 @@ bool GridMap::blocked(const Point& eye, const Point& end) const {
   return found;
 }
 
-void GridMap::free_footprint(const Pose& robot) {
-  const Cell low = cell_of({robot.x - options_.free_radius, robot.y - options_.free_radius});
-  const Cell high = cell_of({robot.x + options_.free_radius, robot.y + options_.free_radius});
+// The ground under the robot is free: a disc around its middle, and a strip from there to a laser beyond the disc, or
+// one that looks away from the robot would leave it in unknown ground on all sides.
+void GridMap::free_footprint(const Pose& robot, const Point& eye) {
+  const double radius = options_.free_radius, arm = length_of(eye.x, eye.y);
+  const double length = arm > radius ? arm : 0.0;
+  const double reach = std::max(radius, length);
+  const Frame frame(robot);
+  const Point along = frame.turned(length > 0.0 ? Point{eye.x / arm, eye.y / arm} : Point{1.0, 0.0});
+  const Cell low = cell_of({robot.x - reach, robot.y - reach}), high = cell_of({robot.x + reach, robot.y + reach});
   for (int y = low.y; y <= high.y; ++y) {
     for (int x = low.x; x <= high.x; ++x) {
-      const double center_x = (x + 0.5) * options_.resolution, center_y = (y + 0.5) * options_.resolution;
-      if (length_of(center_x - robot.x, center_y - robot.y) > options_.free_radius) continue;
+      const double dx = (x + 0.5) * options_.resolution - robot.x, dy = (y + 0.5) * options_.resolution - robot.y;
+      const double ahead = along.x * dx + along.y * dy, beside = std::abs(along.x * dy - along.y * dx);
+      const bool on_strip = ahead > 0.0 && ahead <= length && beside <= kStripShare * radius;
+      if (length_of(dx, dy) > radius && !on_strip) continue;
       if (touched_[index_of({x, y})] != 2 * scan_number_) change_odds({x, y}, -free_step_);
     }
   }

@@ -94,7 +94,7 @@ class GridMap {
   void walk(const Ray& ray, double length, Visit visit) const;
   bool sees_through(const Surface& surface, const Ray& ray) const;
   void free_cell(const Cell& cell, const Ray& ray);
-  void free_footprint(const Pose& robot);
+  void free_footprint(const Pose& robot, const Point& eye);  // `eye`: the laser, robot's frame
 
   GridOptions options_;
   int occupied_step_, free_step_, odds_limit_;  // in the steps of `odds_`
