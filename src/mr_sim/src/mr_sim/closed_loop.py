@@ -10,10 +10,10 @@ import numpy as np
 
 from mr_grid import OccupancyGrid, Pose, normalized
 from mr_robot.navigation.engine import Command, Navigator, Status
-from mr_robot.navigation.options import make_scan
 from mr_robot.platforms.engines import navigation_options, slam_options
 from mr_robot.platforms.parameters import kinds_of
 from mr_robot.slam.engine import LaserScan, Slam
+from mr_sim.control_cycle import ControlCycle
 from mr_sim.simulated_platform import platform_of
 from mr_sim.world import World
 from mr_sim.world_description import WorldDescription
@@ -29,6 +29,7 @@ class Robot:
     start: Pose
     slam: Slam
     navigator: Navigator
+    cycle: ControlCycle
     drift: List[float] = field(default_factory=list)
     turn_drift: List[float] = field(default_factory=list)
     contacts: int = 0
@@ -58,9 +59,11 @@ class ClosedLoop:
                 i,
                 self.world.pose(i),
                 Slam(slam_options(platform, team)),
-                Navigator(navigation_options(platform, team, **navigation), name, seed),
+                Navigator(options, name, seed),
+                ControlCycle(description.rangers[description.main_ranger], options.controller_period),
             )
-            for i, (name, platform) in enumerate(zip(self.world.names, platforms))
+            for i, (name, platform, description) in enumerate(zip(self.world.names, platforms, self.world.robots))
+            for options in [navigation_options(platform, team, **navigation)]
         ]
         self.on_scan: Optional[Callable[[Robot, Pose], None]] = None
         # The map to plan on, from the own one.
@@ -75,13 +78,18 @@ class ClosedLoop:
                 robot.contacts += bool(state["contact"])
             for scan in self.world.due_scans():
                 if scan.ranger == self.world.robots[scan.robot].main_ranger:
-                    self._control(self.robots[scan.robot], states[scan.robot], scan.ranges)
+                    robot = self.robots[scan.robot]
+                    self._locate(robot, states[scan.robot], scan.ranges)
+                    self._control(robot, states[scan.robot])
+            for robot, state in zip(self.robots, states):
+                self._control(robot, state)
 
-    def _control(self, robot: Robot, state: np.ndarray, ranges: np.ndarray) -> None:
+    def _locate(self, robot: Robot, state: np.ndarray, ranges: np.ndarray) -> None:
         description = self.world.robots[robot.index]
         ranger = description.rangers[description.main_ranger]
         now = self.world.time
-        odometry = Pose(float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))
+        odometry = _odometry(state)
+        robot.cycle.see(ranges, odometry, now)
         geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
         pose = robot.slam.process(LaserScan(ranges, *geometry), odometry, now).pose
         if now - robot.map_at >= MAP_PERIOD:
@@ -92,13 +100,21 @@ class ClosedLoop:
         robot.turn_drift.append(abs(normalized(pose[2] - truth[2])))
         if self.on_scan is not None:
             self.on_scan(robot, pose)
-        begun = time.process_time()
         if robot.map_at == now and robot.grid is not None:
+            begun = time.process_time()
             robot.navigator.set_own_map(robot.grid, now)
             robot.navigator.set_map(self.merge(robot, robot.grid))
             if self.share_positions:
                 robot.navigator.set_others(self._positions(robot), now)
-        robot.command = robot.navigator.step(now, pose, make_scan(ranges, *geometry))
+            robot.navigation_cpu += time.process_time() - begun
+
+    def _control(self, robot: Robot, state: np.ndarray) -> None:
+        """If it is time for it."""
+        now, odometry = self.world.time, _odometry(state)
+        if not robot.cycle.due(now):
+            return
+        begun = time.process_time()
+        robot.command = robot.navigator.step(now, robot.slam.pose_at(odometry), robot.cycle.scan(odometry))
         robot.navigation_cpu += time.process_time() - begun
         if robot.command.status in (Status.SUCCEEDED, Status.ABORTED):
             robot.results.append((now, robot.command.text or "succeeded"))
@@ -110,3 +126,7 @@ class ClosedLoop:
             for other in self.robots
             if other is not robot
         }
+
+
+def _odometry(state: np.ndarray) -> Pose:
+    return Pose(float(state["odometry_x"]), float(state["odometry_y"]), float(state["odometry_yaw"]))

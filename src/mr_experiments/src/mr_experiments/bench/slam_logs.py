@@ -108,9 +108,9 @@ def record(trial: Trial) -> ScanLog:
     robot, rows = mission.robots[0], []
     handle = robot.on_scan
 
-    def on_scan(ranges: np.ndarray, odometry: Pose) -> tuple[float, float]:
+    def on_scan(ranges: np.ndarray, odometry: Pose) -> None:
         rows.append((mission.world.time, ranges.copy(), odometry, mission.world.pose(0)))
-        return handle(ranges, odometry)
+        handle(ranges, odometry)
 
     robot.on_scan = on_scan  # type: ignore[method-assign]
     mission.run(LIMIT)

@@ -10,8 +10,9 @@ import numpy as np
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_grid import OccupancyGrid, Pose
 from mr_robot.navigation.engine import Navigator, Status
-from mr_robot.navigation.options import NavigationError, NavigationOptions, make_scan
+from mr_robot.navigation.options import NavigationError, NavigationOptions
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL, LaserScan, Slam, SlamOptions
+from mr_sim.control_cycle import ControlCycle
 from mr_sim.world_description import RangerDescription
 
 GoalEnd = Callable[[int, bool, str], None]
@@ -29,6 +30,7 @@ class Body:
         self.navigator = Navigator(navigation, name, seed)
         self.pose: Pose | None = None
         self._stopwatch = stopwatch
+        self._cycle = ControlCycle(ranger, navigation.controller_period)
         self._geometry = (
             ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount,
         )  # fmt: skip
@@ -46,6 +48,7 @@ class Body:
         """The robot's pose in its map frame, from a scan."""
         with self._stopwatch.span("slam"):
             pose = self.slam.process(scan, odometry, now).pose
+        self._cycle.see(scan.ranges, odometry, now)
         self.pose = pose
         return pose
 
@@ -60,12 +63,14 @@ class Body:
             self.navigator.set_own_map(own, now)
         return own
 
-    def steer(self, scan: LaserScan, now: float) -> tuple[float, float]:
-        """Velocities in m/s and rad/s until the next scan."""
+    def steer(self, odometry: Pose, now: float) -> tuple[float, float] | None:
+        """Velocities in m/s and rad/s from now on; None where it is not yet time for others."""
+        if not self._cycle.due(now):
+            return None
         if self._goal is None and self._rests:
             return 0.0, 0.0
         with self._stopwatch.span("navigation"):
-            command = self.navigator.step(now, self.pose, make_scan(scan.ranges, *self._geometry))
+            command = self.navigator.step(now, self.slam.pose_at(odometry), self._cycle.scan(odometry))
         self._rests = command.linear == 0.0 and command.angular == 0.0
         if self._goal is not None and command.status in (Status.SUCCEEDED, Status.ABORTED):
             goal, self._goal = self._goal, None

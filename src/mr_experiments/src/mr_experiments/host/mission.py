@@ -157,12 +157,21 @@ class Mission:
         for scan in scans:
             robot = self.robots[scan.robot]
             if scan.ranger == self.world.robots[scan.robot].main_ranger and robot.senses:
-                self.world.command(scan.robot, *robot.on_scan(scan.ranges, Pose(*odometry[scan.robot])))
+                robot.on_scan(scan.ranges, Pose(*odometry[scan.robot]))
+                self._steer(robot, odometry)
                 self.recorder.on_pose(scan.robot, Pose(*true[scan.robot]))
+        for robot in self.robots:
+            self._steer(robot, odometry)
         with self.stopwatch.span("recording"):
             self.recorder.on_step(states, self.since_start)
         self._start_if_ready()
         self.agenda.at((self.world.steps + 1) * self.world.interval, self._step_world)
+
+    def _steer(self, robot: Robot, odometry: list[list[float]]) -> None:
+        """If it is time for it. `odometry`: x, y, yaw of each robot."""
+        velocities = robot.steer(Pose(*odometry[robot.index]))
+        if velocities is not None:
+            self.world.command(robot.index, *velocities)
 
     def _drive(self) -> None:
         for robot in self.robots:

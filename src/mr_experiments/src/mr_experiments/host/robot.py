@@ -90,15 +90,19 @@ class Robot:
         self.explorer.stop()
         self._radio.switch_off(self.own_radio.index)
 
-    def on_scan(self, ranges: np.ndarray, odometry: Pose) -> tuple[float, float]:
-        """Returns the velocities to drive with, m/s and rad/s."""
+    def on_scan(self, ranges: np.ndarray, odometry: Pose) -> None:
+        """`odometry`: the robot in its odometry frame when the scan was taken."""
         assert isinstance(self.body, Body)
         scan = self.body.scan_of(ranges)
         pose = self.body.locate(scan, odometry, self._clock())
         self._locate(pose)
         if self.running and isinstance(self.merger, Merger):
             self.merger.on_scan(scan, pose)
-        return self.body.steer(scan, self._clock())
+
+    def steer(self, odometry: Pose) -> tuple[float, float] | None:
+        """Velocities to drive with from now on, m/s and rad/s; None: those of before."""
+        assert isinstance(self.body, Body)
+        return self.body.steer(odometry, self._clock()) if self.senses else None
 
     def on_view(self) -> None:
         """In place of a scan, where the map is perfect."""
