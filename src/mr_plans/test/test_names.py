@@ -26,6 +26,11 @@ from mr_plans import WorldName, is_generated, parse_name, world_files, world_pla
             WorldName("cave", 0, (20, 18), True, "turtlebots"),
             "generated-cave-0-20x18-anywhere-turtlebots",
         ),
+        (
+            "generated:hall:1:anywhere:robots/husky.inc",
+            WorldName("hall", 1, (30, 20), True, "robots/husky.inc"),
+            "generated-hall-1-30x20-anywhere-husky",
+        ),
     ],
 )
 def test_names_are_read(name, meant, stem):
@@ -37,7 +42,8 @@ def test_names_are_read(name, meant, stem):
     ["generated:", "generated:office", "generated:office:x", "generated:office:-1", "generated:office:1:30",
      "generated:office:1:3..0x20", "generated:office:1:5x20", "generated:castle:1", "generated:castle:1:30x20",
      "generated:office:1:nowhere", "generated:office:1:30x20:", "generated:office:1:turtles",
-     "generated:office:1:mixed:anywhere"],
+     "generated:office:1:mixed:anywhere", "generated:office:1:.inc", "generated:office:1:folder/.inc",
+     "generated:office:1:husky.inc:anywhere"],
 )  # fmt: skip
 def test_bad_names_are_refused(name):
     assert is_generated(name)
@@ -65,3 +71,15 @@ def test_other_robots_start_at_the_same_places(robots, pioneers, turtlebots):
     assert all(f'include "{model}.inc"' in files.text for model in files.models)
     assert files.text.index('include "pioneer.inc"') < files.text.index("floorplan")  # which that defines
     assert re.findall(r"pose .*", files.text) == re.findall(r"pose .*", usual.text)
+
+
+def test_a_robot_of_ones_own_starts_where_there_is_room_for_it():
+    usual = world_files(parse_name("generated:rooms:4:20x15"), 0.29)
+    name = parse_name("generated:rooms:4:20x15:robots/husky.inc")
+    small, large = world_files(name, 0.29, "ab12"), world_files(name, 0.9, "cd34")
+    assert small.stem == "generated-rooms-4-20x15-husky-ab12" and small.models == ("pioneer", "husky-ab12")
+    assert 'include "husky-ab12.inc"' in small.text and small.text.count("\nhusky (") == 16
+    assert re.findall(r"pose .*", small.text) == re.findall(r"pose .*", usual.text)
+    assert 1 <= large.text.count("\nhusky (") < 16
+    with pytest.raises(ValueError, match="1 robot"):
+        world_files(name, 4.0)

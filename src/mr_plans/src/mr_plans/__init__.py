@@ -8,7 +8,7 @@ from .names import WorldName, is_generated, parse_name
 from .plan import FloorPlan, Motion, plan_from_image
 from .rooms import bare_rooms_plan, long_corridor_plan, office_plan, symmetric_plan, turned_copies_plan
 from .starts import anywhere, side_by_side
-from .world_files import WorldFiles, picture_of, world_files
+from .world_files import WorldFiles, picture_of, robot_starts, world_files
 from .worlds import WORLD_KINDS, WorldKind, world_plan
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "parse_name",
     "picture_of",
     "plan_from_image",
+    "robot_starts",
     "side_by_side",
     "symmetric_plan",
     "turned_copies_plan",

@@ -1,26 +1,29 @@
-"""Names of generated worlds: `generated:KIND:SEED[:LENGTHxDEPTH][:anywhere][:turtlebots|:mixed]`."""
+"""Names of generated worlds: `generated:KIND:SEED[:LENGTHxDEPTH][:anywhere][:turtlebots|:mixed|:ROBOT.inc]`."""
 
 import re
 from dataclasses import dataclass
-from typing import Tuple
+from pathlib import Path
+from typing import Optional, Tuple
 
 from .worlds import WORLD_KINDS, check_world
 
 PREFIX = "generated:"
-FORM = "generated:KIND:SEED[:LENGTHxDEPTH][:anywhere][:turtlebots|:mixed]"
+FORM = "generated:KIND:SEED[:LENGTHxDEPTH][:anywhere][:turtlebots|:mixed|:ROBOT.inc]"
 PIONEERS = "pioneers"
 ROBOTS = {PIONEERS: ("pioneer",), "turtlebots": ("turtlebot",), "mixed": ("pioneer", "turtlebot")}
 """Models, by turns, of a world's robots."""
+ROBOT_FILE = ".inc"
+"""Ends the name of a file that defines a model of robots, which has the name of the file."""
 _PATTERN = re.compile(
     r"generated:(?P<kind>[^:]*):(?P<seed>\d{1,18})(:(?P<size>[\d.]+x[\d.]+))?(?P<anywhere>:anywhere)?"
-    r"(:(?P<robots>turtlebots|mixed))?"
+    r"(:(?P<robots>turtlebots|mixed|[^:]*[^:/]\.inc))?"
 )
 
 
 @dataclass(frozen=True)
 class WorldName:
     """`size`: length and depth in m. `anywhere`: the robots start all over the world, not side by side.
-    `robots`: one of `ROBOTS`."""
+    `robots`: one of `ROBOTS`, or the path of a robot's file."""
 
     kind: str
     seed: int
@@ -29,11 +32,21 @@ class WorldName:
     robots: str = PIONEERS
 
     @property
+    def robot_file(self) -> Optional[Path]:
+        """That defines the model of its robots, where it is none of ours."""
+        return Path(self.robots) if self.robots.endswith(ROBOT_FILE) else None
+
+    @property
+    def models(self) -> Tuple[str, ...]:
+        """Of its robots, by turns."""
+        return ROBOTS[self.robots] if self.robot_file is None else (self.robot_file.stem,)
+
+    @property
     def stem(self) -> str:
         """Names the world's files; tells apart whatever differs."""
         length, depth = self.size
         plan = f"generated-{self.kind}-{self.seed}-{length:g}x{depth:g}"
-        robots = "" if self.robots == PIONEERS else f"-{self.robots}"
+        robots = "" if self.robots == PIONEERS else f"-{self.robots if self.robot_file is None else self.models[0]}"
         return plan + ("-anywhere" if self.anywhere else "") + robots
 
 

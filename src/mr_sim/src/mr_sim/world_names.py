@@ -4,6 +4,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
+from mr_plans.names import ROBOT_FILE, is_generated
 from mr_sim.map_world import is_map, map_world_files
 from mr_sim.world_description import WorldDescription
 from mr_sim.world_file import WorldFileError
@@ -13,7 +14,11 @@ from mr_sim.world_model import load_world
 
 def name_of(world: str) -> str:
     """What a world, given as to `find_world`, is called in records: one of the project's by its name without `.world`,
-    another file by its whole path, without links. What is no file here stays as it is."""
+    another file by its whole path, without links; so is the robot's file of a generated one. What is no file here
+    stays as it is."""
+    drawn, colon, last = world.rpartition(":")
+    if is_generated(world) and last.endswith(ROBOT_FILE) and os.path.isfile(last):
+        return f"{drawn}{colon}{Path(last).resolve()}"
     named = _of_project(world)
     path = Path(world) if named is None else named
     if not os.path.isfile(path):

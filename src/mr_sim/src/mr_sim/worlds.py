@@ -1,6 +1,7 @@
 """Worlds by name: those of the project, files, and worlds that are drawn when asked for."""
 
 import contextlib
+import hashlib
 import math
 import os
 import tempfile
@@ -11,12 +12,14 @@ from pathlib import Path
 
 from mr_grid import Pose
 from mr_measures.reference import reference_path
-from mr_plans.names import FORM, is_generated, parse_name
+from mr_plans.names import FORM, ROBOT_FILE, WorldName, is_generated, parse_name
 from mr_plans.world_files import WorldFiles, world_files
 from mr_robot.platforms.parameters import largest_radius
+from mr_robot.platforms.platform import PlatformError
 from mr_sim.map_world import is_map, map_world_files
 from mr_sim.simulated_platform import platform_of
 from mr_sim.world_description import WorldDescription
+from mr_sim.world_file import WorldFileError
 from mr_sim.world_folders import world_folders
 from mr_sim.world_model import load_world
 from mr_sim.world_words import nearest
@@ -112,17 +115,29 @@ def _from_map(name: str, folder: Path, starts: Sequence[Pose]) -> Path:
 def _generated(name: str, folder: Path) -> Path:
     """Drawn anew by each process, so that files of former code are replaced."""
     try:
-        files = _drawn(name)
+        file = parse_name(name).robot_file
+        robot = b"" if file is None else _read_robot(file)
+        files = _drawn(name, robot)
     except ValueError as error:
         raise WorldNotFoundError(f"{name}: {error}") from None
-    return _write(files, folder)
+    return _write(files, folder, robot)
 
 
-def _write(files: WorldFiles, folder: Path) -> Path:
+def _read_robot(file: Path) -> bytes:
+    """Raises WorldNotFoundError."""
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise WorldNotFoundError(f"{file}, which describes its robots, cannot be read: {error.strerror}") from None
+
+
+def _write(files: WorldFiles, folder: Path, robot: bytes = b"") -> Path:
+    """`robot`: what the last of its models is, where it is none of ours."""
     folder.mkdir(parents=True, exist_ok=True)
     world = folder / f"{files.stem}.world"
     for model in files.models:
-        _keep(folder / f"{model}.inc", _model(model))
+        own = bool(robot) and model == files.models[-1]
+        _keep(folder / f"{model}{ROBOT_FILE}", robot if own else _model(model))
     if _keep(world.with_suffix(".png"), files.picture):
         reference_path(world).unlink(missing_ok=True)  # of another plan
     _keep(world, files.text.encode())
@@ -132,23 +147,48 @@ def _write(files: WorldFiles, folder: Path) -> Path:
 def files_of(world: Path) -> list[Path]:
     """The file of a generated world and all that belong to it. Raises OSError."""
     text = world.read_text(encoding="utf-8")
-    included = [file for file in sorted(world.parent.glob("*.inc")) if f'include "{file.name}"' in text]
+    included = [file for file in sorted(world.parent.glob(f"*{ROBOT_FILE}")) if f'include "{file.name}"' in text]
     return [world, *included, *filter(Path.is_file, (world.with_suffix(".png"), reference_path(world)))]
 
 
 @lru_cache(maxsize=8)
-def _drawn(name: str) -> WorldFiles:
-    return world_files(parse_name(name), generated_radius())
+def _drawn(name: str, robot: bytes) -> WorldFiles:
+    world = parse_name(name)
+    return world_files(world, radius_for(world), hashlib.sha256(robot).hexdigest()[:8] if robot else "")
+
+
+def radius_for(world: WorldName) -> float:
+    """m, of the largest robot of a generated world, as its model says; no less than a Pioneer's, so that robots of any
+    kind start at the same places as far as there is room. ValueError for a robot's file that cannot be used."""
+    if world.robot_file is None:
+        return _pioneer_radius()
+    return max(_pioneer_radius(), _radius_of(world.robot_file))
 
 
 @lru_cache(maxsize=1)
-def generated_radius() -> float:
-    """m, of the largest robot of generated worlds, as its model says."""
+def _pioneer_radius() -> float:
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / f"{LARGEST}.inc").write_bytes(_model(LARGEST))
+        (Path(folder) / f"{LARGEST}{ROBOT_FILE}").write_bytes(_model(LARGEST))
+        return _radius_of(Path(folder) / f"{LARGEST}{ROBOT_FILE}")
+
+
+def _radius_of(file: Path) -> float:
+    with tempfile.TemporaryDirectory() as folder:
         world = Path(folder) / "robot.world"
-        world.write_text(f'include "{LARGEST}.inc"\n{LARGEST} ( )\n')
-        return largest_radius([platform_of(robot) for robot in load_world(world).robots])
+        world.write_text(f'include "{file.resolve()}"\n{file.stem} ( )\n')
+        try:
+            robots = load_world(world).robots
+        except WorldFileError as error:
+            told = str(error)
+            if told.startswith(f"{world}:"):
+                told = f"{file} has to define {file.stem}"
+            raise ValueError(told) from None
+    if not robots:
+        raise ValueError(f"{file} has to define {file.stem} as a position model")
+    try:
+        return largest_radius([platform_of(robot) for robot in robots])
+    except PlatformError as error:
+        raise ValueError(f"{file}: {error}") from None
 
 
 def _model(name: str) -> bytes:

@@ -11,10 +11,12 @@ from mr_plans import WORLD_KINDS
 from mr_plans.passable import NARROW_CELLS
 from mr_robot.navigation.options import NavigationOptions
 from mr_robot.platforms.engines import defaults_of
+from mr_sim.simulated_platform import platform_of
 from mr_sim.true_world import true_world_of
 from mr_sim.world import World
 from mr_sim.world_model import load_world
-from mr_sim.worlds import WorldNotFoundError, find_world, label_of
+from mr_sim.world_names import name_of
+from mr_sim.worlds import WorldNotFoundError, files_of, find_world, label_of
 
 
 @pytest.mark.parametrize("kind", WORLD_KINDS)
@@ -33,6 +35,51 @@ def test_other_robots_stand_in_the_same_plan(robots, views, tmp_path):
     assert [round(np.degrees(robot.rangers[0].field_of_view)) for robot in world.robots[:3]] == views
     assert [robot.start for robot in world.robots] == [robot.start for robot in usual.robots]
     World(world, 16)
+
+
+HUSKY = """define husky position ( size [ 0.99 0.67 0.39 ] localization "odom"
+  ranger ( update_interval 50 pose [ 0.35 0 0 0 ] sensor ( range [ 0.1 {reach} ] fov 270 samples 1081 ) ) )"""
+
+
+def test_robots_of_ones_own_drive_in_a_generated_world(tmp_path):
+    """Only ours could: others needed a world file of their own for every floor."""
+    robot, out = tmp_path / "husky.inc", tmp_path / "out"
+    robot.write_text(HUSKY.format(reach=30))
+    name = f"generated:hall:3:{robot}"
+    path = find_world(name, out)
+    world = World(load_world(path), 16)
+    assert platform_of(world.robots[0]).footprint.length == 0.99 and world.robots[0].rangers[0].range_max == 30.0
+    assert {file.suffix for file in files_of(path)} == {".world", ".inc", ".png"} and label_of(name).endswith("husky")
+    robot.write_text(HUSKY.format(reach=20))
+    other = find_world(name, out)
+    assert other != path and load_world(other).robots[0].rangers[0].range_max == 20.0
+    assert load_world(path).robots[0].rangers[0].range_max == 30.0, "worlds of before keep their robots"
+
+
+def test_a_generated_world_has_one_name_wherever_its_robot_is_looked_for_from(tmp_path, monkeypatch):
+    (tmp_path / "husky.inc").write_text(HUSKY.format(reach=30))
+    monkeypatch.chdir(tmp_path)
+    assert name_of("generated:hall:3:husky.inc") == f"generated:hall:3:{(tmp_path / 'husky.inc').resolve()}"
+    assert name_of("generated:hall:3:nobody.inc") == "generated:hall:3:nobody.inc"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "husky.inc has to define husky"),
+        ("define husky model ( size [ 1 1 1 ] )", "has to define husky as a position model"),
+        ("define husky position ( size [ 1 1 1 ] )", "no laser"),
+        ("define husky position ( sise [ 1 1 1 ] )", r"husky.inc:1: .*did you mean .size"),
+        (None, "cannot be read: No such file"),
+    ],
+)
+def test_a_file_that_describes_no_robot_is_one_clear_error(text, told, tmp_path):
+    robot = tmp_path / "husky.inc"
+    if text is not None:
+        robot.write_text(text)
+    with pytest.raises(WorldNotFoundError, match=told):
+        find_world(f"generated:hall:3:{robot}", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("kind", ["rooms", "narrow", "cave"])

@@ -7,11 +7,11 @@ from typing import Sequence
 import cv2
 import numpy as np
 
-from mr_plans import FloorPlan, WorldName, anywhere, parse_name, side_by_side, world_plan
+from mr_plans import FloorPlan, WorldName, parse_name, robot_starts, world_plan
 from mr_plans.names import is_generated
 from mr_sim.raster import rasterise
 from mr_sim.world_model import load_world
-from mr_sim.worlds import find_world, generated_radius
+from mr_sim.worlds import find_world, radius_for
 
 PIXEL = 0.1  # m
 GAP, CAPTION = 12, 26  # pixels
@@ -52,7 +52,7 @@ def _tile(name: str) -> np.ndarray:
 
 def _generated_tile(name: WorldName) -> np.ndarray:
     plan = world_plan(name.kind, name.seed, name.size)
-    starts = (anywhere if name.anywhere else side_by_side)(plan, name.seed, generated_radius())
+    starts = robot_starts(name, plan, radius_for(name))
     length, depth = name.size
     return _finished(_coloured(plan), [start[:2] for start in starts],
                      f"{name.kind}:{name.seed}  {length:g} m x {depth:g} m")  # fmt: skip
