@@ -12,9 +12,8 @@ from mr_robot.platforms.platform import (
     Topics,
     rounded_up,
 )
-from mr_sim.world_description import RangerDescription, RobotDescription
+from mr_sim.world_description import FEWEST_BEAMS, RangerDescription, RobotDescription
 
-FEWEST_BEAMS = 3  # of a scan that SLAM and navigation can use
 # m/s^2, rad/s^2 with which any robot is driven: the simulated ones have no bounds, as in Stage.
 LINEAR_ACCELERATION, ANGULAR_ACCELERATION = 1.0, 3.14
 

@@ -5,9 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mr_grid import Pose
+from mr_grid import Pose, normalized
 from mr_sim.bodies import Polygon
 
+FEWEST_BEAMS = 3  # of a scan that SLAM and navigation can use
+LEAST_GAP = 0.1  # rad; what is less beside a field of view hides nothing
 MAX_CELLS = 100_000_000  # of a world
 ENOUGH_CELLS = 80_000_000  # beyond so many a world file's world is drawn coarser
 
@@ -29,6 +31,11 @@ class RangerDescription:
     @property
     def angle_increment(self) -> float:
         return self.field_of_view / (self.samples - 1) if self.samples > 1 else 0.0
+
+    @property
+    def looks_ahead(self) -> bool:
+        """Whether it sees where a robot that drives ahead comes to; what is missing of a whole turn may lie there."""
+        return abs(normalized(self.mount.yaw)) <= self.field_of_view / 2.0 + LEAST_GAP
 
     @property
     def angle_min(self) -> float:
@@ -56,8 +63,14 @@ class RobotDescription:
 
     @property
     def main_ranger(self) -> int:
-        """Index of the ranger with most beams, the first of them: that by which the robot finds its way."""
-        return max(range(len(self.rangers)), key=lambda index: self.rangers[index].samples, default=0)
+        """Index of that by which the robot finds its way: of the scanners that look ahead, else of all rangers, the one
+        with most beams, the first of them."""
+
+        def rank(index: int) -> tuple[bool, int]:
+            ranger = self.rangers[index]
+            return ranger.samples >= FEWEST_BEAMS and ranger.looks_ahead, ranger.samples
+
+        return max(range(len(self.rangers)), key=rank, default=0)
 
 
 @dataclass(frozen=True)

@@ -246,6 +246,27 @@ def test_noblocks(load):
 # --- Sensors ---
 
 
+@pytest.mark.parametrize(
+    ("rangers", "main"),
+    [
+        ([("180", 180, 181), ("0", 180, 181)], 1),
+        ([("180", 270, 541), ("0", 180, 181)], 1),
+        ([("0", 57, 160), ("0", 359, 360)], 1),
+        ([("0", 57, 160), ("180", 359, 360)], 1),
+        ([("180", 270, 541)], 0),
+        ([("180", 270, 541), ("0", 15, 1)], 0),
+        ([("-90", 270, 541), ("0", 180, 181)], 0),
+    ],
+)
+def test_a_robot_finds_its_way_by_what_looks_ahead(load, rangers, main):
+    """Of a laser at the back and one at the front the first was taken: the robot drove blindly."""
+    models = " ".join(
+        f"ranger ( pose [ 0 0 0 {yaw} ] sensor ( range [ 0 8 ] fov {fov} samples {samples} ) )"
+        for yaw, fov, samples in rangers
+    )
+    assert load(f"position ( size [ 1 1 1 ] {models} )").robots[0].main_ranger == main
+
+
 def test_ring_of_sonars_in_the_older_words(load):
     (robot,) = load(
         "position ( ranger ( pose [ 0.1 0 0 0 ] scount 3 spose[1] [ 0.2 0.1 90 ] sview [ 0.1 4 15 ] ) )"
