@@ -10,6 +10,7 @@ from mr_robot.platforms.platform import (
     PlatformError,
     RangeSensor,
     Topics,
+    looks_back,
     rounded_up,
 )
 from mr_sim.world_description import FEWEST_BEAMS, RangerDescription, RobotDescription
@@ -25,9 +26,13 @@ def platform_of(robot: RobotDescription) -> Platform:
         raise PlatformError("no laser: add a ranger to its position model")
     if robot.rangers[robot.main_ranger].samples < FEWEST_BEAMS:
         raise PlatformError(f"its rangers have less than {FEWEST_BEAMS} beams, as sonars: add a laser to its model")
-    linear, angular = robot.linear_bounds[1], min(-robot.angular_bounds[0], robot.angular_bounds[1])
+    main = robot.rangers[robot.main_ranger]
+    backs = looks_back(main.mount.yaw, main.field_of_view)
+    linear = -robot.linear_bounds[0] if backs else robot.linear_bounds[1]
+    angular = min(-robot.angular_bounds[0], robot.angular_bounds[1])
     if linear <= 0.0 or angular <= 0.0:
-        raise PlatformError("it cannot drive ahead and turn both ways: see velocity_bounds of its model")
+        way = "back, where alone it sees," if backs else "ahead"
+        raise PlatformError(f"it cannot drive {way} and turn both ways: see velocity_bounds of its model")
     scan = Topics.scan if len(robot.rangers) == 1 else f"{Topics.scan}_{robot.main_ranger}"
     return Platform(
         _footprint(robot),

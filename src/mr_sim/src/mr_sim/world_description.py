@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mr_grid import Pose, normalized
+from mr_grid import Pose
+from mr_robot.platforms.platform import looks_ahead
 from mr_sim.bodies import Polygon
 
 FEWEST_BEAMS = 3  # of a scan that SLAM and navigation can use
-LEAST_GAP = 0.1  # rad; what is less beside a field of view hides nothing
 MAX_CELLS = 100_000_000  # of a world
 ENOUGH_CELLS = 80_000_000  # beyond so many a world file's world is drawn coarser
 
@@ -34,8 +34,7 @@ class RangerDescription:
 
     @property
     def looks_ahead(self) -> bool:
-        """Whether it sees where a robot that drives ahead comes to; what is missing of a whole turn may lie there."""
-        return abs(normalized(self.mount.yaw)) <= self.field_of_view / 2.0 + LEAST_GAP
+        return looks_ahead(self.mount.yaw, self.field_of_view)
 
     @property
     def angle_min(self) -> float:

@@ -1,7 +1,8 @@
-"""The SLAM engine with lasers that have few beams or do not see far."""
+"""SLAM and navigation with lasers that have few beams, do not see far, or look elsewhere than usual."""
 
 import math
-from typing import Tuple
+from pathlib import Path
+from typing import Callable, List, Tuple
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from usual_robot import slam_with
 
 from mr_grid import Pose
 from mr_robot.slam.engine import LaserScan
+from mr_sim.closed_loop import ClosedLoop, Robot
 
 Box = Tuple[float, float, float, float]
 """Least and greatest x, least and greatest y in m of a room without anything in it."""
@@ -83,3 +85,24 @@ def test_a_robot_wider_than_two_metres_has_a_map() -> None:
     slam.process(all_around(360, 5.0, (-3.0, 3.0, -3.0, 3.0), Pose(), np.random.default_rng(1)), Pose(), 0.0)
     grid = slam.map()
     assert grid.cells[tuple(grid.info.cell_of(1.3, 0.0))] == 0
+
+
+@pytest.mark.parametrize("degrees, ahead", [(0.0, True), (180.0, False)])
+def test_a_robot_drives_where_its_laser_looks(draw_world: Callable[..., str], degrees: float, ahead: bool) -> None:
+    """One whose laser looks back drove ahead blindly, and into walls."""
+    path = Path(draw_world((6.0, 4.0), [(3.0, 1.5, 0.4, 1.0)], [(1.0, 2.0, degrees)]))
+    laser = f"pose [ {0.1 if ahead else -0.1} 0 0 {degrees} ] sensor ( range [ 0 8 ] fov 180 samples 181"
+    path.write_text(path.read_text().replace("pose [ 0.1 0 0 0 ] sensor ( range [ 0 8 ] fov 270 samples 541", laser))
+    loop = ClosedLoop(str(path), 1, 1)
+    driven: List[float] = []
+
+    def count(robot: Robot, _: Pose) -> None:
+        driven.append(robot.command.linear if robot.command else 0.0)
+
+    loop.on_scan = count
+    loop.run(1.0)
+    robot = loop.robots[0]
+    robot.navigator.set_goal(robot.local(Pose(2.3, 3.2, 0.0)), loop.world.time)
+    loop.run(60.0, lambda: bool(robot.results))
+    assert robot.results[0][1] == "succeeded" and robot.contacts == 0
+    assert (np.sum(driven) > 0.0) == ahead

@@ -14,6 +14,7 @@ from mr_grid import FARTHEST, OccupancyGrid, Pose, is_place
 from mr_robot import _navigation
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.command import Command, GivenUp, Status, Velocity
+from mr_robot.navigation.facing import Facing
 from mr_robot.navigation.follower import Follower
 from mr_robot.navigation.known_map import KnownMap
 from mr_robot.navigation.look_around import LookAround
@@ -61,6 +62,7 @@ class Navigator:
         self._held_up = HeldUp(name, self.options, self._random)
         self._stall = StallWatch(self.options.controller_period)
         self._clock = Clock()
+        self._facing = Facing()
         self._mode_until = 0.0
         self._retreat: Optional[Retreat] = None
         self._gives_way_since: Optional[float] = None
@@ -107,7 +109,13 @@ class Navigator:
 
     def step(self, now: float, pose: Optional[Pose], scan: Optional[Scan]) -> Command:
         """The command for the next period. `pose`: robot in the map frame; `scan`: the latest; None = not known."""
-        now = self._clock(now)
+        if scan is not None:
+            self._facing.see(scan)
+        faced = None if pose is None else self._facing.pose(pose), None if scan is None else self._facing.scan(scan)
+        return self._facing.command(self._step(self._clock(now), *faced))
+
+    def _step(self, now: float, pose: Optional[Pose], scan: Optional[Scan]) -> Command:
+        """In the frame of a robot that drives where its sensor looks."""
         costs = self._map.costs(now)
         if pose is None or scan is None or costs is None:
             missing = "map" if costs is None else "pose in the map" if pose is None else "laser scan"
@@ -197,7 +205,7 @@ class Navigator:
         return Command(*(velocity or STOP), Status.ACTIVE)
 
     def _turn_to_goal(self, now: float, pose: Pose, obstacles: np.ndarray) -> Command:
-        error = math.remainder(self._route.goal[2] - pose[2], 2.0 * math.pi)
+        error = math.remainder(self._route.goal[2] + self._facing.yaw - pose[2], 2.0 * math.pi)
         if abs(error) <= self.options.yaw_goal_tolerance or self.options.yaw_goal_tolerance >= math.pi:
             self.cancel()
             return Command(*self._motion.brake(), Status.SUCCEEDED)

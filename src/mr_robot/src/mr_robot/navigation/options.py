@@ -135,6 +135,11 @@ class Scan:
         """rad to each side of where the laser looks."""
         return abs(0.5 * (len(self.ranges) - 1) * self.angle_increment)
 
+    @property
+    def middle(self) -> float:
+        """rad from the robot's heading to where the laser looks."""
+        return self.mount.yaw + self.angle_min + 0.5 * (len(self.ranges) - 1) * self.angle_increment
+
     def blind_to(self, points: np.ndarray) -> np.ndarray:
         """bool (n,), of points (n, 2) in the robot's frame: behind the robot, beside the field of view, or nearer than
         the sensor reads."""

@@ -4,6 +4,9 @@ import math
 from dataclasses import dataclass, field
 
 
+LEAST_GAP = 0.1  # rad; what is less beside a field of view hides nothing
+
+
 class PlatformError(ValueError):
     """A description that cannot be used; the text names the culprit and what is expected."""
 
@@ -11,6 +14,17 @@ class PlatformError(ValueError):
 def rounded_up(length: float) -> float:
     """To 0.1 mm, so that nothing sticks out."""
     return math.ceil(1.0e4 * length - 1.0e-6) / 1.0e4
+
+
+def looks_ahead(middle: float, field_of_view: float) -> bool:
+    """Whether a sensor sees where a robot that drives ahead comes to; what is missing of a whole turn may lie there.
+    `middle`: rad from the robot's heading to where it looks."""
+    return abs(math.remainder(middle, 2.0 * math.pi)) <= field_of_view / 2.0 + LEAST_GAP
+
+
+def looks_back(middle: float, field_of_view: float) -> bool:
+    """Whether it sees where a robot that backs comes to, and not what is ahead."""
+    return looks_ahead(middle + math.pi, field_of_view) and not looks_ahead(middle, field_of_view)
 
 
 @dataclass(frozen=True)
