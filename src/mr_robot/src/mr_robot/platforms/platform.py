@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass, field
 
-
 LEAST_GAP = 0.1  # rad; what is less beside a field of view hides nothing
 
 
