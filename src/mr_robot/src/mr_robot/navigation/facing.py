@@ -10,14 +10,13 @@ from mr_robot.navigation.command import Command
 from mr_robot.navigation.options import Scan
 from mr_robot.platforms.platform import looks_back
 
-HALF_TURN = Pose(0.0, 0.0, math.pi)
-
 
 class Facing:
     """Decided with the first scan, for the sensor does not move on its robot."""
 
     def __init__(self) -> None:
         self._back: Optional[bool] = None
+        self._other_way = Pose(0.0, 0.0, math.pi)
 
     def see(self, scan: Scan) -> None:
         if self._back is None:
@@ -26,15 +25,15 @@ class Facing:
     @property
     def yaw(self) -> float:
         """rad from the robot's heading to where it drives."""
-        return HALF_TURN.yaw if self._back else 0.0
+        return self._other_way.yaw if self._back else 0.0
 
     def pose(self, pose: Pose) -> Pose:
-        return pose.compose(HALF_TURN) if self._back else pose
+        return pose.compose(self._other_way) if self._back else pose
 
     def scan(self, scan: Scan) -> Scan:
         if not self._back:
             return scan
-        return replace(scan, points=-scan.points, mount=HALF_TURN.between(scan.mount))
+        return replace(scan, points=-scan.points, mount=self._other_way.between(scan.mount))
 
     def command(self, command: Command) -> Command:
         """For the robot as it stands."""
