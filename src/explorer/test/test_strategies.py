@@ -8,10 +8,12 @@ import pytest
 from conftest import map_of
 from usual_robot import LARGEST
 
+from explorer import plan
 from explorer.clusters import Cluster
 from explorer.frontiers import Frontier
 from explorer.recognition import Listed
 from explorer.scene import Scene
+from explorer.shares import Errand, Tour, share_out
 from explorer.strategies import TITLES, number_of, strategy_of
 from explorer.strategies.coordinated import travel_bid
 from explorer.strategies.strategy import FrontierStrategy, registered
@@ -86,6 +88,47 @@ def test_costs_of_others_are_looked_up_once_for_each_place(monkeypatch: pytest.M
     large = replace(known, team=("a", "b", "c", "d"))
     assert one.estimate(large, (6.0, 5.0), large.clusters[0]) != costs[0], "in a large team bids are ways alone"
     assert one.estimate(replace(known), (6.0, 5.0), known.clusters[0]) == costs[0]
+
+
+def test_robots_near_one_place_share_a_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a team of sixteen somebody has moved at every step, mostly by less than ways tell apart."""
+    known, one, asked = scene(cluster(1, 7.0)), strategy(7), []
+    monkeypatch.setattr(Ways, "from_robot", lambda self, place: asked.append(place) or self.grid.field_from(*place))
+    assert len({one.estimate(known, (x, 5.0), known.clusters[0]) for x in (3.0, 3.1, 3.2)}) == 1
+    assert asked == [(3.0, 5.0)]
+    walled_in = replace(known.clusters[0], viewpoint=(7.0, 50.0))
+    far = replace(known, clusters=(walled_in,))
+    costs = [one.estimate(far, (x, 5.0), walled_in) for x in (3.0, 3.1)]
+    assert costs[0] != costs[1], "without a way the distance counts, from where the robot is"
+
+
+def test_what_was_shared_out_last_holds_until_something_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A robot without a share asks at every step."""
+    count = 0
+
+    def counting(errand: Errand) -> List[Tour]:
+        nonlocal count
+        count += 1
+        return share_out(errand)
+
+    monkeypatch.setattr(plan, "share_out", counting)
+    team = tuple(f"robot_{number}" for number in range(1, 6))
+    known = scene(cluster(1, 7.0), cluster(2, 12.0), positions={"robot_1": (8.0, 5.0)}, competitors=team[:1], team=team)
+    one, changes = strategy(7), (
+        {"positions": {"robot_1": (14.0, 5.0)}},
+        {"pose": Pose(5.0, 5.0, 2.0)},
+        {"competitors": ()},
+        {"own": 2},
+        {"claims": {"robot_1": listed((12.0, 5.0), (12.0, 5.2), (12.0, 5.4))}},
+        {"ready": frozenset([10])},
+        {"clusters": (cluster(1, 7.0), cluster(2, 12.0, gain=9.0))},
+    )  # fmt: skip
+    for change in changes:
+        one.choose(known, {})
+        before = count
+        assert one.choose(replace(known, now=1.0), {}) is one.choose(known, {}) and count == before
+        other = replace(known, **change)
+        assert one.choose(other, {}) is strategy(7).choose(other, {}) and count == before + 2, change
 
 
 def test_order_of_frontiers() -> None:

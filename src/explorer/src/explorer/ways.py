@@ -45,7 +45,7 @@ class Ways:
 
     def from_robot(self, position: Position) -> CostField:
         """Costs from near another robot's place, the same for half a metre around."""
-        place = (round(2 * position[0]) / 2, round(2 * position[1]) / 2)
+        place = place_near(position)
         field = self._fields.pop(place, None)
         if field is None:
             field = self.grid.field_from(*place)
@@ -63,6 +63,11 @@ class Ways:
         if factor_for(self.grid.ground, TOUR_CELL) == self.grid.factor:
             return self.grid
         return TravelGrid(self.occupancy, self.radius, self.comfort, cell=TOUR_CELL, ground=self.grid.ground)
+
+
+def place_near(position: Position) -> Position:
+    """The place that stands for all within about half a metre in `Ways.from_robot`, in metres."""
+    return (round(2 * position[0]) / 2, round(2 * position[1]) / 2)
 
 
 def known_near(occupancy: OccupancyMap, x: float, y: float, reach: float = 1.0) -> int:
