@@ -11,6 +11,7 @@ from explorer.frontiers import THINNING_DISTANCE, Frontier
 from explorer.heard import Heard, KnownArea
 from explorer.places import Places
 from explorer.statement import MOST_VERDICTS, Decided, Kind
+from explorer.told import ToldPlaces
 
 LOOK_PATIENCE = 8.0  # s that a look waits at most for a map that was made after it
 LOOKS = 2  # times a frontier is looked at before it counts as visited; one is enough if it shows nothing new
@@ -26,9 +27,6 @@ TOLD_TIME = 8.0  # s that the merged map needs to show what another robot has ex
 
 # Points that were given up or visited, kept so that a point found there anew inherits the verdict.
 MAXIMUM_SPOTS = 2000
-
-# Explored points of other robots that are kept.
-MAXIMUM_TOLD = 2000
 
 KnownNear = Callable[[float, float], int]
 """Number of known cells of the map near a point in metres."""
@@ -77,15 +75,6 @@ class Verdict:
         return replace(self, x=x, y=y, looked_at=-math.inf, looks=0)
 
 
-class Told(NamedTuple):
-    """A place in metres in the own frame that a robot has explored, believed until a time in seconds."""
-
-    x: float
-    y: float
-    until: float
-    robot: str
-
-
 class Ready(NamedTuple):
     """Numbers of points that can be tried, from one time in seconds until another, as long as no verdict changes:
     `changes` as in `Verdicts`."""
@@ -107,8 +96,7 @@ class Verdicts:
     def __init__(self) -> None:
         self._of: Dict[int, Verdict] = {}
         self._spots: Places[Verdict] = Places(MAXIMUM_SPOTS, THINNING_DISTANCE)
-        self._told: List[Told] = []
-        self._told_places: Optional[Tuple[np.ndarray, List[str]]] = None  # of these, made when they are asked for
+        self._told = ToldPlaces()
         self._cluster_failures: Dict[int, int] = {}
         self._looked_at = -math.inf  # s, the last look
         self.heard = Heard()
@@ -237,25 +225,15 @@ class Verdicts:
     def believe_explored(self, robot: str, x: float, y: float, now: float) -> None:
         """A robot has explored this place, metres in the own frame: points there are no goals until the map had time to
         show it."""
-        self._told.append(Told(x, y, now + TOLD_TIME, robot))
-        if len(self._told) > MAXIMUM_TOLD:
-            del self._told[0]
-        self._told_places = None
+        self._told.add(x, y, now + TOLD_TIME, robot)
 
     def told_expired(self, now: float) -> bool:
         """True if what was told is no longer believed since it was last asked for."""
-        # The first that were told end first.
-        return bool(self._told) and self._told[0].until <= now
+        return self._told.expired(now)
 
     def told_places(self, now: float) -> Tuple[np.ndarray, List[str]]:
         """(n, 2) array in metres of the places that others have explored and the map need not show yet, and by whom."""
-        if self.told_expired(now):
-            self._told, self._told_places = [told for told in self._told if told.until > now], None
-        if self._told_places is None:
-            # Column by column: an array of a thousand pairs takes several times as long.
-            places = np.array([[told.x for told in self._told], [told.y for told in self._told]], dtype=float).T
-            self._told_places = np.ascontiguousarray(places), [told.robot for told in self._told]
-        return self._told_places
+        return self._told.at(now)
 
     def _put(self, number: int, verdict: Verdict) -> None:
         self._of[number] = verdict

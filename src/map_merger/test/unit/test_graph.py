@@ -13,6 +13,7 @@ from map_merger.alignment import Alignment
 from map_merger.covariance import as_covariance
 from map_merger.evidence import Evidence
 from map_merger.graph import team
+from map_merger.graph.consistency import largest_consistent
 from map_merger.graph.edges import MOST_EDGES, MOST_ROBOTS, Edge, EdgeError, EdgeReport, check
 from map_merger.graph.patience import PATIENCE_S, Patience
 from map_merger.graph.team import TeamGraph
@@ -512,3 +513,20 @@ def test_what_hardly_changes_is_not_solved_anew_and_does_not_add_up():
     assert graph.placed()["robot_1"].transform.x == pytest.approx(edge.transform.x + 0.016), "counted from the used one"
     graph.set_own([replace(refined(0.016), covariance=tuple(tuple(2.0 * v for v in row) for row in edge.covariance))])
     assert graph.own()[0].covariance[0][0] == pytest.approx(2.0 * edge.covariance[0][0])
+
+
+def test_robots_of_one_process_choose_once_and_see_it_from_their_own_frames(monkeypatch):
+    """In missions of sixteen robots a tenth of the time went into choosing the same for each of them."""
+    asked = []
+    monkeypatch.setattr(team, "largest_consistent", lambda *known: asked.append(known) or largest_consistent(*known))
+    truth = Truth(5, seed=91).find_all()
+    truth.mislead("robot_0", "robot_3", Pose(4.0, 0.0, 0.0))
+    graphs = [truth.graph_of(name) for name in truth.names]
+    placed = [graph.placed() for graph in graphs]
+    assert len(asked) == 1 and len({graph.dropped() for graph in graphs}) == 1 and graphs[0].dropped()
+    for name, others in zip(truth.names, placed):
+        gaps = [truth.between(name, other).between(each.transform) for other, each in others.items()]
+        assert len(gaps) == 4 and max(math.hypot(gap.x, gap.y) for gap in gaps) < 0.5
+    truth.edges["robot_0", "robot_1"] = truth.edge("robot_0", "robot_1")
+    truth.graph_of("robot_2").placed()
+    assert len(asked) == 2

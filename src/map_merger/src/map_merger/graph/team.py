@@ -1,6 +1,7 @@
 """The robots of a team, the transforms that anybody has found between them, and where that places each robot."""
 
 import math
+from functools import lru_cache
 from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from mr_grid import Pose, normalized
 from ..covariance import Covariance, as_covariance
 from ..messages import NO_BOOT, Boot
 from .change import Change, differ
-from .consistency import largest_consistent
+from .consistency import Choice, largest_consistent
 from .edges import MOST_EDGES, MOST_ROBOTS, Edge, EdgeError, EdgeReport, arm_to_walls, check
 from .links import links_of
 from .pose_graph import Poses, relative, relative_covariance
@@ -18,6 +19,8 @@ from .words import contradiction
 
 _KEPT_RUNS = 2
 """Of a reporter: a late report of its former run must not push out that of the present one."""
+_KEPT_CHOICES = 16
+"""Where a whole team runs in one process its robots mostly know the same edges, so one of them chooses for all."""
 _CHANGE = Change(distance_m=0.01, rotation_rad=math.radians(0.05), weight=0.1, covariance=1.5)
 """What changes by less, a fifth of what every edge is uncertain by, leaves the poses where they are."""
 
@@ -226,9 +229,14 @@ def _best_solution(own: str, edges: List[Edge]) -> _Solution:
             del edges[int(np.argmax(np.hypot(*arms.T)))]
 
 
+@lru_cache(maxsize=_KEPT_CHOICES)
+def _choice(edges: Tuple[Edge, ...], nodes: Tuple[str, ...]) -> Choice:
+    return largest_consistent(links_of(edges, nodes), len(nodes))
+
+
 def _solution_of(own: str, edges: List[Edge]) -> _Solution:
     nodes = sorted({own, *(robot for edge in edges for robot in edge.pair)})
-    choice = largest_consistent(links_of(edges, nodes), len(nodes))
+    choice = _choice(tuple(edges), tuple(nodes))
     kept = tuple(edge for edge, chosen in zip(edges, choice.chosen) if chosen)
     left_out = [edge for edge, chosen in zip(edges, choice.chosen) if not chosen]
     neighbours = _neighbours(kept)
