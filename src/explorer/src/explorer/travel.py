@@ -18,6 +18,9 @@ from mr_grid import GridInfo
 # Traversable cells beyond which the next coarser grid is taken: bounds the time of one field to about 10 ms.
 MAXIMUM_CELLS = 80_000
 
+# A viewpoint keeps this much farther from obstacles than the robot has to, where it can, in metres.
+PREFERRED_ROOM = 0.1
+
 # Farther than this from any traversable cell a robot or a goal counts as outside of the known free space, in metres.
 SNAP_DISTANCE = 0.8
 
@@ -93,6 +96,12 @@ class TravelGrid:
         weight += 1.0
         weight[~self.traversable] = math.inf
         self.weighted: WeightedGrid = WeightedGrid(weight, self.info.resolution)
+
+    @cached_property
+    def comfortable(self) -> np.ndarray:
+        """bool (rows, cols): where the robot has room to look around, `PREFERRED_ROOM` more than it must keep, on known
+        ground."""
+        return (self.coarse_clearance >= self.ground.radius + PREFERRED_ROOM) & self.away_from_unknown
 
     def field_from(self, x: float, y: float, former: Optional[CostField] = None) -> CostField:
         """Costs from a point in metres; all infinite if the point is off the traversable cells by more than

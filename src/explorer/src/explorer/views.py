@@ -15,9 +15,6 @@ from explorer.travel import CostField
 from mr_grid import GridInfo, Pose
 from mr_grid.imaging import nearest_set
 
-# A viewpoint keeps this much farther from obstacles than the robot has to, where it can, in metres.
-PREFERRED_ROOM = 0.1
-
 # Half edge in metres of the square in which the unknown area around a cluster is counted.
 GAIN_REACH = 2.0
 
@@ -32,11 +29,8 @@ class Views:
         self._occupancy = occupancy
         self._field = field
         self._view_distance = view_distance
-        grid = field.grid
         self._reachable = field.reachable
-        comfortable = (
-            self._reachable & (grid.coarse_clearance >= grid.ground.radius + PREFERRED_ROOM) & grid.away_from_unknown
-        )
+        comfortable = self._reachable & field.grid.comfortable
         former: Sequence[_NearestCell] = [] if like is None else like._lookups
         self._lookups: List[_NearestCell] = [
             _NearestCell.of(mask, former) for mask in (comfortable, self._reachable) if mask.any()

@@ -201,7 +201,10 @@ class GlobalMap:
             local[target] = self._local.cells[inside.shifted(-self._at.top, -self._at.left).slices()]
         maps = {self._name: local}
         for name in names:
-            cells = self._layers[name].board.read(box)
+            layer = self._layers[name]
+            if layer.box.intersection(box).empty:
+                continue
+            cells = layer.board.read(box)
             if (cells != UNKNOWN).any():
                 maps[name] = cells
         return maps

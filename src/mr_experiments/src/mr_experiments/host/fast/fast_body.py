@@ -43,6 +43,7 @@ class FastBody:
         self._look_around = 2.0 * math.pi if navigation.look_around and ranger.field_of_view < NARROW_VIEW else 0.0
         self.on_goal_end: GoalEnd = lambda *_: None
         self._name, self._start, self._ranger, self._sight, self._stopwatch = name, start, ranger, sight, stopwatch
+        self._bearings = np.linspace(-0.5, 0.5, BEAMS) * ranger.field_of_view  # rad, of the beams
         self._raster = _world.Raster(walls.cells, walls.resolution, walls.origin)
         self.true_map = TrueMap(occupancy_of(walls), start)
         self._seen = self.true_map.nothing()
@@ -71,7 +72,7 @@ class FastBody:
         with self._stopwatch.span("visibility"):
             ranger = self._ranger
             eye = self.true_pose.compose(ranger.mount)
-            angles = eye[2] + np.linspace(-0.5, 0.5, BEAMS) * ranger.field_of_view
+            angles = eye[2] + self._bearings
             ranges = self._raster.cast(eye[:2], angles, ranger.range_max)
             reach = np.where(ranges < ranger.range_max - 1e-3, ranges + BEHIND, ranges)[:, None]
             ends = np.asarray(eye[:2]) + reach * np.stack([np.cos(angles), np.sin(angles)], axis=1)
