@@ -30,7 +30,7 @@ LOYALTY = 2.0  # m in favour of the cluster that a robot explores already
 CROWD_DISTANCE = 4.0  # m, a cluster this near to another robot's costs more
 CROWD_PENALTY = 4.0  # m
 
-MOST_LENGTHS = 10_000  # of paths that are kept
+MOST_ESTIMATES = 10_000  # that are kept
 
 PARTING_DISTANCE = 5.0  # m from the start within which robots that cannot place each other part
 PARTING_WAY = 12.0  # m that a cluster may be farther than the nearest to be taken for its direction
@@ -50,8 +50,9 @@ class Coordinated(ClusterStrategy):
         self._between = Between({}, np.zeros((0, 0)))
         self._detours: Dict[int, float] = {}
         self._last_plan = LastPlan()
-        self._looked_up: Tuple[Sequence[Cluster], Optional[Ways]] = ((), None)
-        self._lengths: Dict[Tuple[Position, int], float] = {}
+        self._estimated: Tuple[Sequence[Cluster], Optional[Ways], bool] = ((), None, False)
+        self._estimates: Dict[Tuple[Position, int], float] = {}
+        self._lengths: Dict[Tuple[Position, int], float] = {}  # of paths in metres, from places that stand for many
 
     def bid(self, scene: Scene, cluster: Cluster) -> float:
         x, y = cluster.place
@@ -64,20 +65,23 @@ class Coordinated(ClusterStrategy):
         return travel_bid(cluster.cost, cluster.gain, angle, self._detours.get(cluster.number, 0.0))
 
     def estimate(self, scene: Scene, position: Position, cluster: Cluster) -> float:
-        length = self._length(scene, position, cluster)
-        if not math.isfinite(length):
-            length = 2.0 * distance(position, cluster.place)
-        return way_bid(length) if sharing(scene) else travel_bid(length, cluster.gain)
+        before, now = self._estimated, (scene.clusters, scene.ways, sharing(scene))
+        same = before[0] is now[0] and before[1] is now[1] and before[2] == now[2]
+        if not same or len(self._estimates) >= MOST_ESTIMATES:
+            self._estimated, self._estimates, self._lengths = now, {}, {}
+        asked = (position, cluster.number)
+        if asked not in self._estimates:
+            self._estimates[asked] = self._estimate(scene, position, cluster)
+        return self._estimates[asked]
 
-    def _length(self, scene: Scene, position: Position, cluster: Cluster) -> float:
-        """m of path from another robot to a cluster, looked up once while clusters and ways are the same."""
-        same = self._looked_up[0] is scene.clusters and self._looked_up[1] is scene.ways
-        if not same or len(self._lengths) >= MOST_LENGTHS:
-            self._looked_up, self._lengths = (scene.clusters, scene.ways), {}
+    def _estimate(self, scene: Scene, position: Position, cluster: Cluster) -> float:
         asked = (place_near(position), cluster.number)
         if asked not in self._lengths:
             self._lengths[asked] = scene.ways.from_robot(position).at(*cluster.place)
-        return self._lengths[asked]
+        length = self._lengths[asked]
+        if not math.isfinite(length):
+            length = 2.0 * distance(position, cluster.place)
+        return way_bid(length) if sharing(scene) else travel_bid(length, cluster.gain)
 
     def choose(self, scene: Scene, bids: Bids) -> Optional[Cluster]:
         if must_part(scene):
