@@ -88,7 +88,8 @@ void write_samples(const std::string& path) {
   flooded.report = false;
   flooded.flooded = true;
   sample.add(FrameType::kGroupData, flooded);
-  sample.add(FrameType::kGroupReceipts, wire::GroupReceipts{{{kAlice, 0xa1, 2, kBob, 32, 0}, {kAlice, 0xa1, 2, kCarol, 31, 1}}});
+  sample.add(FrameType::kGroupReceipts,
+             wire::GroupReceipts{{{kAlice, 0xa1, 2, kBob, 32, 0}, {kAlice, 0xa1, 2, kCarol, 31, 1}}});
 
   Bytes sealed;
   wire::Writer writer(sealed);

@@ -427,15 +427,14 @@ local function group_report(cursor, tree)
 end
 
 local function group_receipts(cursor, tree)
-  local count = 0
-  while cursor:left() > 0 do
+  local count = cursor:number(tree, f.member_count, 1)
+  for _ = 1, count do
     cursor:add(tree, f.root, 6)
     cursor:add(tree, f.root_boot, 8)
     cursor:flags(tree, f.stream, { f.priority })
     cursor:add(tree, f.member, 6)
     cursor:number(tree, f.next_packet, 4)
     cursor:add(tree, f.beyond, 4)
-    count = count + 1
   end
   return string.format("of %d members", count)
 end

@@ -23,7 +23,7 @@ double Carriage::tries(const MacAddress& target) const {
   return 1.0 / (1.0 - std::min(neighbors_.beacon_loss(target), routing::kWorstLoss));
 }
 
-bool Carriage::flood_pays(std::size_t robots, std::size_t members) const {
+bool Carriage::flood_pays(std::size_t robots, std::size_t far_members) const {
   double slowness = 1.0;  // of a frame for everybody
   if (has_measured_broadcasts()) {
     for (const auto& [address, neighbor] : neighbors_.all()) {
@@ -32,7 +32,7 @@ bool Carriage::flood_pays(std::size_t robots, std::size_t members) const {
       }
     }
   }
-  return static_cast<double>(robots) * slowness <= kFramesOfAMember * static_cast<double>(members);
+  return static_cast<double>(robots) * slowness <= kFramesOfAMember * static_cast<double>(far_members);
 }
 
 Way Carriage::way(const std::vector<MacAddress>& targets, std::size_t frames, Time now) const {

@@ -30,8 +30,9 @@ class Carriage {
 
   /// For one of `frames` that are still to be sent to these neighbours, one at least.
   Way way(const std::vector<MacAddress>& targets, std::size_t frames, Time now) const;
-  /// Whether a frame that each of `robots` may pass on costs less than a tree, or copies, for `members` of them.
-  bool flood_pays(std::size_t robots, std::size_t members) const;
+  /// Whether a frame that each of `robots` may pass on costs less than a tree, or copies, for the members that do not
+  /// hear the root: the others have it from the root's own frame either way.
+  bool flood_pays(std::size_t robots, std::size_t far_members) const;
   /// What a broadcast costs has been measured, and lately.
   bool has_measured_broadcasts() const { return air_.measured(wire::kEverybody) != nullptr; }
   bool knows_broadcasts(Time now) const { return knows(wire::kEverybody, now); }

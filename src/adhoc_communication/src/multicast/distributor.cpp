@@ -10,7 +10,7 @@ std::uint8_t first_parity(const Identity& self) { return static_cast<std::uint8_
 
 /// That fit where a frame of group data does.
 std::size_t most_receipts(std::size_t segment_size) {
-  return std::min((segment_size + wire::kGroupDataHeaderSize) / wire::kGroupReceiptSize, wire::kMostReceipts);
+  return std::min((segment_size + wire::kGroupDataHeaderSize - 1) / wire::kGroupReceiptSize, wire::kMostReceipts);
 }
 
 /// What this robot has of the packets behind the one that it waits for.
@@ -53,8 +53,9 @@ bool Distributor::builds_anew() const {
   return own == branches_.all().end() || source_.wants_fresh_tree(own->second);
 }
 
-bool Distributor::floods(std::size_t octets, Priority priority, std::size_t members, std::size_t robots) const {
-  if (octets > segment_size_ || members < kFewestFlooded || !carriage_.flood_pays(robots, members)) return false;
+bool Distributor::floods(std::size_t octets, Priority priority, std::size_t members, std::size_t far_members,
+                         std::size_t robots) const {
+  if (octets > segment_size_ || members < kFewestFlooded || !carriage_.flood_pays(robots, far_members)) return false;
   const auto own = branches_.all().find(self_.address);
   return own == branches_.all().end() || source_.may_flood(own->second, priority);
 }

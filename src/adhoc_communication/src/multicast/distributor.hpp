@@ -30,9 +30,10 @@ class Distributor {
   // At the root.
   /// Whether the next packet gets a new tree.
   bool builds_anew() const;
-  /// Whether a packet of so many octets for so many members, of the robots that are known, is passed on by everybody
-  /// rather than along the tree.
-  bool floods(std::size_t octets, Priority priority, std::size_t members, std::size_t robots) const;
+  /// Whether a packet of so many octets is passed on by everybody rather than along the tree. `far_members`: those of
+  /// the `members` that do not hear the root. `robots`: that are known.
+  bool floods(std::size_t octets, Priority priority, std::size_t members, std::size_t far_members,
+              std::size_t robots) const;
   /// As start(), for a packet of which floods() holds.
   std::uint32_t flood(SendId id, Priority priority, transport::Image image, const std::set<MacAddress>& members,
                       Time now);
@@ -73,9 +74,7 @@ class Distributor {
 
   void poll(Time now);
   Time next_deadline() const;
-  bool has_frame(std::uint8_t priority) const {
-    return flooding_.has_frame(priority) || downlink_.has_frame(priority);
-  }
+  bool has_frame(std::uint8_t priority) const { return flooding_.has_frame(priority) || downlink_.has_frame(priority); }
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
     flooding_.add_waiting_hops(priority, hops);
     downlink_.add_waiting_hops(priority, hops);

@@ -58,9 +58,8 @@ void Flooding::forget_due(const Key& key, Packet& packet) {
 void Flooding::note_upstream(const Key& packet, const MacAddress& from, Time now) {
   const MacAddress& root = std::get<0>(packet);
   if (upstream_.size() >= kMostPackets && upstream_.count(root) == 0) {
-    upstream_.erase(std::min_element(upstream_.begin(), upstream_.end(), [](const auto& a, const auto& b) {
-      return a.second.since < b.second.since;
-    }));
+    upstream_.erase(std::min_element(upstream_.begin(), upstream_.end(),
+                                     [](const auto& a, const auto& b) { return a.second.since < b.second.since; }));
   }
   upstream_[root] = {from, packet, now};
 }
@@ -116,8 +115,8 @@ void Flooding::add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& 
 
 std::optional<GroupFrame> Flooding::next(std::uint8_t priority, const MacAddress& previous_hop, Time now) {
   auto& ready = ready_[priority];
-  const auto found = std::find_if(ready.begin(), ready.end(),
-                                  [&](const Key& key) { return packets_.at(key).first == previous_hop; });
+  const auto found =
+      std::find_if(ready.begin(), ready.end(), [&](const Key& key) { return packets_.at(key).first == previous_hop; });
   if (found == ready.end()) return std::nullopt;
   const Key key = *found;
   ready.erase(found);

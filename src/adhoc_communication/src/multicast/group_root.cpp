@@ -1,4 +1,6 @@
 // The own group: its members, and packets for them.
+#include <algorithm>
+
 #include "multicast/group_traffic.hpp"
 #include "routing/names.hpp"
 
@@ -19,7 +21,7 @@ Time end_of(Time lifetime, Time now) { return lifetime > Time(0) ? now + lifetim
 void GroupTraffic::send_to_own(SendId id, const Image& image, Priority priority, Time lifetime, Time now) {
   std::set<MacAddress> on_tree;
   std::vector<std::string> by_themselves;
-  const bool flooded = distributor_.floods(image->size(), priority, own_group_.size(), directory_.size());
+  const bool flooded = floods(image->size(), priority);
   if (distributor_.builds_anew()) own_group_.tree_built();
   own_group_.take_back_punctual(now);
   for (const std::string& name : own_group_.names()) {
@@ -41,6 +43,17 @@ void GroupTraffic::send_to_own(SendId id, const Image& image, Priority priority,
     own_group_.leave_out(name);
     send_copy(name, packet, Purpose::kFanOut, id);
   }
+}
+
+bool GroupTraffic::floods(std::size_t octets, Priority priority) const {
+  const std::vector<std::string> members = own_group_.names();
+  const auto is_far = [this](const std::string& member) {
+    const auto address = directory_.address_of(member);
+    const routing::Robot* robot = address ? directory_.find(*address) : nullptr;
+    return robot != nullptr && robot->hops > 1;
+  };
+  const auto far_members = static_cast<std::size_t>(std::count_if(members.begin(), members.end(), is_far));
+  return distributor_.floods(octets, priority, members.size(), far_members, directory_.size());
 }
 
 bool GroupTraffic::replace_in_own(SendId former, SendId id, const Image& image, Time lifetime, Time now) {

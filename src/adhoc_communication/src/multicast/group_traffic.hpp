@@ -97,6 +97,7 @@ class GroupTraffic {
   void ask_for_members(const std::string& group);
 
   // group_root.cpp: the own group.
+  bool floods(std::size_t octets, Priority priority) const;
   void send_to_own(SendId id, const transport::Image& image, Priority priority, Time lifetime, Time now);
   bool replace_in_own(SendId former, SendId id, const transport::Image& image, Time lifetime, Time now);
   /// `was_away`: that run was a member before, and has only not been heard.

@@ -100,7 +100,8 @@ void Receipts::expire(Time now) {
     const bool idle = kept->second.due == Time::max() && now - kept->second.heard >= kIdle;
     kept = idle ? kept_.erase(kept) : std::next(kept);
   }
-  for (auto own = own_due_.begin(); own != own_due_.end();) own = own->second < now ? own_due_.erase(own) : std::next(own);
+  for (auto own = own_due_.begin(); own != own_due_.end();)
+    own = own->second < now ? own_due_.erase(own) : std::next(own);
 }
 
 }  // namespace adhoc_communication::multicast

@@ -18,9 +18,9 @@ namespace adhoc_communication::multicast {
 class Receipts {
  public:
   static constexpr std::size_t kMostKept = 8192;
-  static constexpr Time kStep = std::chrono::milliseconds(20);  ///< that a robot waits less than one nearer by a hop
-  static constexpr int kDeepest = 5;                            ///< hops; who is farther does not wait
-  static constexpr Time kSettled = std::chrono::seconds(2);  ///< by then it has arrived, or never will
+  static constexpr Time kStep = std::chrono::milliseconds(20);    ///< that a robot waits less than one nearer by a hop
+  static constexpr int kDeepest = 5;                              ///< hops; who is farther does not wait
+  static constexpr Time kSettled = std::chrono::seconds(2);       ///< by then it has arrived, or never will
   static constexpr Time kAgain = std::chrono::milliseconds(100);  ///< that a way is looked for, until then
   static constexpr Time kIdle = std::chrono::seconds(20);
 

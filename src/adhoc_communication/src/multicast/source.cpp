@@ -77,7 +77,8 @@ std::uint32_t Source::start(Branch& own, SendId id, Priority priority, transport
 
 bool Source::may_flood(const Branch& own, Priority priority) const {
   const auto& transfers = own.streams[static_cast<std::size_t>(priority)].transfers;
-  const auto flooded = std::count_if(transfers.begin(), transfers.end(), [](const auto& item) { return item.second.flooded; });
+  const auto flooded =
+      std::count_if(transfers.begin(), transfers.end(), [](const auto& item) { return item.second.flooded; });
   return static_cast<std::size_t>(flooded) < kMostFlooded;
 }
 
@@ -178,7 +179,8 @@ std::optional<std::uint32_t> Source::replace(Branch& own, SendId former, SendId 
   for (std::size_t priority = 0; priority < own.streams.size(); ++priority) {
     for (auto& [number, transfer] : own.streams[priority].transfers) {
       if (transfer.id != former) continue;
-      if (transfer.flooded || transfer.to_children->begun() || copies_[priority].count(number) != 0) return std::nullopt;
+      if (transfer.flooded || transfer.to_children->begun() || copies_[priority].count(number) != 0)
+        return std::nullopt;
       if (!std::includes(transfer.open.begin(), transfer.open.end(), members.begin(), members.end())) {
         return std::nullopt;
       }

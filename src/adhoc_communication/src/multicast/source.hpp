@@ -31,7 +31,7 @@ class Source {
   static constexpr std::size_t kFewFrames = 8;  ///< for which no way is looked for where the tree has failed
   static constexpr std::size_t kMostReceipts = wire::kMostMembersOfActivation * transport::kPriorities;
   static constexpr std::size_t kMostFlooded = 32;  ///< packets of one priority on their way; further ones take the tree
-  static constexpr Time kWaits = std::chrono::seconds(2);  ///< a flooded packet at a member, for those before it
+  static constexpr Time kWaits = std::chrono::seconds(2);     ///< a flooded packet at a member, for those before it
   static constexpr Time kLeftOut = std::chrono::seconds(10);  ///< a tree that did not reach a member is given no other
 
   Source(std::uint16_t segment_size, std::uint8_t first_parity)
@@ -112,7 +112,8 @@ class Source {
   transport::RoundTrip flood_time_{std::chrono::milliseconds(500), std::chrono::milliseconds(200),
                                    std::chrono::seconds(4)};
   Time next_late_ = Time::max();
-  std::map<std::pair<MacAddress, std::uint8_t>, wire::GroupReceipt> receipts_;  ///< the latest of each member, by stream
+  std::map<std::pair<MacAddress, std::uint8_t>, wire::GroupReceipt>
+      receipts_;  ///< the latest of each member, by stream
   std::vector<MemberEnd> ends_;
 };
 

@@ -51,11 +51,11 @@ std::string multicast_row(const Statistics& statistics, long long time) {
   const Statistics::ByType& received = statistics.frames_received_by_type;
   const DataFrames& data = statistics.group_data;
   const std::string out = csv_row(data.sent, data.passed_on, data.sent_again, data.passed_on_again, kNothing,
-                                  of(sent, FrameType::kGroupReport) + of(sent, FrameType::kGroupReceipts), kNothing, kNothing, kNothing,
-                                  of(sent, FrameType::kGroupActivation), kNothing, of_groups(sent));
+                                  of(sent, FrameType::kGroupReport) + of(sent, FrameType::kGroupReceipts), kNothing,
+                                  kNothing, kNothing, of(sent, FrameType::kGroupActivation), kNothing, of_groups(sent));
   const std::string in = csv_row(data.received, kNothing, of(received, FrameType::kGroupData), kNothing,
-                                 of(received, FrameType::kGroupReport) + of(received, FrameType::kGroupReceipts), kNothing, kNothing, kNothing,
-                                 of(received, FrameType::kGroupActivation), kNothing,
+                                 of(received, FrameType::kGroupReport) + of(received, FrameType::kGroupReceipts),
+                                 kNothing, kNothing, kNothing, of(received, FrameType::kGroupActivation), kNothing,
                                  of(received, FrameType::kGroupData) - data.received, of_groups(received));
   return std::to_string(time) + ',' + out + ',' + in + ',' +
          csv_row(of_groups(statistics.bytes_sent_by_type), of_groups(statistics.bytes_received_by_type));

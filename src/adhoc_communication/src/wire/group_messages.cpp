@@ -124,6 +124,7 @@ std::optional<GroupReport> read_group_report(Reader reader) {
 }
 
 void write(Writer& writer, const GroupReceipts& receipts) {
+  writer.u8(static_cast<std::uint8_t>(receipts.receipts.size()));
   for (const GroupReceipt& receipt : receipts.receipts) {
     writer.octets(receipt.root);
     writer.u64(receipt.root_boot);
@@ -136,9 +137,7 @@ void write(Writer& writer, const GroupReceipts& receipts) {
 
 std::optional<GroupReceipts> read_group_receipts(Reader reader) {
   GroupReceipts receipts;
-  const std::size_t count = reader.left() / kGroupReceiptSize;
-  if (count == 0 || count > kMostReceipts) return std::nullopt;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (int left = reader.u8(); left > 0 && reader.ok(); --left) {
     GroupReceipt receipt;
     receipt.root = reader.individual_address();
     receipt.root_boot = reader.u64();
@@ -149,7 +148,8 @@ std::optional<GroupReceipts> read_group_receipts(Reader reader) {
     if (receipt.stream > kGroupStreamMask) return std::nullopt;
     receipts.receipts.push_back(receipt);
   }
-  if (!reader.at_end()) return std::nullopt;
+  const std::size_t count = receipts.receipts.size();
+  if (!reader.at_end() || count == 0 || count > kMostReceipts) return std::nullopt;
   return receipts;
 }
 

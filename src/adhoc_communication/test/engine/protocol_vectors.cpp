@@ -205,7 +205,8 @@ std::string fields(const wire::GroupRefusal& refusal) { return branch_fields(ref
 std::string fields(const wire::GroupData& data) {
   return object({{"root", hex(data.root)},
                  {"root_boot_tag", tag(data.root_boot)},
-                 {"stream", number(data.stream | (data.report ? 0x80u : 0u) | (data.follows ? 0x40u : 0u) | (data.flooded ? 0x20u : 0u))},
+                 {"stream", number(data.stream | (data.report ? 0x80u : 0u) | (data.follows ? 0x40u : 0u) |
+                                   (data.flooded ? 0x20u : 0u))},
                  {"hops", number(data.hops)},
                  {"round", number(data.round)},
                  {"packet", number(data.packet)},
@@ -363,14 +364,15 @@ void add_groups(Examples& examples) {
                wire::GroupRefusal{kCarol.address, kCarol.boot, 7, {kAlice.address}}, kAcknowledged);
   const multicast::GroupPacket packet(packet_image(), kSegmentSize);
   const auto data = [&](std::uint8_t symbol, bool report, Bytes octets) {
-    return wire::GroupData{kAlice.address, kAlice.boot, 1,      report,           false, false, 1, 5, 31, 30, packet.total(),
-                           kSegmentSize,   0,           symbol, std::move(octets)};
+    return wire::GroupData{
+        kAlice.address, kAlice.boot, 1,      report,           false, false, 1, 5, 31, 30, packet.total(),
+        kSegmentSize,   0,           symbol, std::move(octets)};
   };
   examples.add("group data", FrameType::kGroupData, data(2, true, packet.symbol(0, 2)), 0, wire::kEverybody);
   examples.add("group data, parity", FrameType::kGroupData, data(3, true, packet.symbol(0, 3)), 0);
   const Bytes image = packet_image();
-  wire::GroupData flooded{kAlice.address, kAlice.boot, 1, false, false, true, 2, 0, 32, 31, packet.total(), 1400, 0, 0,
-                          image};
+  wire::GroupData flooded{kAlice.address, kAlice.boot, 1, false, false, true, 2, 0, 32, 31,
+                          packet.total(), 1400,        0, 0,     image};
   examples.add("group data, flooded", FrameType::kGroupData, flooded, 0, wire::kEverybody);
   examples.add("group data, question", FrameType::kGroupData, data(0, true, {}), kAcknowledged);
   wire::GroupReport report{kCarol.address, kCarol.boot, 1, 31, 7, 5, false, 0x0207, 1'300'000, 0, 2, {3, 0}};
@@ -380,8 +382,8 @@ void add_groups(Examples& examples) {
   report.first_block = 4;
   report.missing.clear();
   examples.add("group report, complete", FrameType::kGroupReport, report, kAcknowledged);
-  const wire::GroupReceipts receipts{{{kAlice.address, kAlice.boot, 1, kBob.address, 33, 0},
-                                      {kAlice.address, kAlice.boot, 1, kCarol.address, 31, 2}}};
+  const wire::GroupReceipts receipts{
+      {{kAlice.address, kAlice.boot, 1, kBob.address, 33, 0}, {kAlice.address, kAlice.boot, 1, kCarol.address, 31, 2}}};
   examples.add("group receipts", FrameType::kGroupReceipts, receipts, kAcknowledged);
 }
 

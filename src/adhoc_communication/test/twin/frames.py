@@ -115,6 +115,9 @@ def agrees(kind: int, fields: Fields) -> bool:
     if kind in (6, 8):
         size, left = fields["segment_size"], fields["total"] - fields["index"] * fields["segment_size"]
         return bool(size >= 64 or fields["total"] <= size) and len(fields["octets"]) == min(size, left)
+    if kind == 12 and fields["stream"] & 0x20:
+        whole = (fields["block"], fields["symbol"], len(fields["octets"])) == (0, 0, fields["total"])
+        return whole and fields["total"] <= fields["segment_size"] and not fields["stream"] & 0x80
     if kind == 12:
         return len(fields["octets"]) <= fields["segment_size"] and bool(fields["octets"] or fields["stream"] & 0x80)
     return kind != 2 or is_name(fields["destination_name"])

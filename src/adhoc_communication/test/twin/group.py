@@ -270,6 +270,8 @@ class GroupRobot(Robot):
             self.branch(REFUSAL, source, root, boot_tag, epoch, members)
 
     def on_group_data(self, source: bytes, fields: Fields) -> None:
+        if fields["stream"] & 0x20:
+            return  # flooded: the root sends a copy to who says nothing of it
         root, priority, number = fields["root"], fields["stream"] & 3, fields["packet"]
         tree = self.trees.get(root, Tree(b""))
         asked, question = fields["stream"] & 0x80, not fields["octets"]

@@ -1,6 +1,5 @@
 """Conversions between ROS messages and the plain values of the agent. The only module here that knows ROS types."""
 
-import functools
 import math
 from dataclasses import dataclass, replace
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
@@ -155,13 +154,8 @@ class Wire:
         return Bid(tuple(self._key_from(element) for element in cluster.ids_contained), bid)
 
     def _bid_to(self, bid: Bid) -> ExpCluster:
-        return ExpCluster(_elements_to(bid.elements), bid.bid)
-
-
-@functools.lru_cache(maxsize=64)
-def _elements_to(keys: Tuple[Key, ...]) -> List[ExpClusterElement]:
-    """Not to be changed: the same clusters are offered and bid for again and again."""
-    return [ExpClusterElement(id=number, detected_by_robot_str=robot) for robot, number in keys]
+        elements = [ExpClusterElement(id=number, detected_by_robot_str=robot) for robot, number in bid.elements]
+        return ExpCluster(elements, bid.bid)
 
 
 def _unread(message: ExpAuction) -> List[ExpCluster]:
