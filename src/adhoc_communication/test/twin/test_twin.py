@@ -84,7 +84,8 @@ def at_the_bounds(row):
     values = {least - 1, least, most, most + 1} - {-1}
     if kind[0] == "u":
         return sorted(value for value in values if value < 2 ** int(kind[1:]))
-    item = {"address": address(5), "sequence": 1}
+    receipt = {"root": address(5), "root_boot_tag": bytes(8), "stream": 1, "member": address(6), "next": 3, "beyond": 1}
+    item = {"address": address(5), "sequence": 1, **receipt}
     return [
         [item] * value if kind == "list" else bytes(value) for value in sorted(values) if value < 256 or kind != "list"
     ]
@@ -112,6 +113,9 @@ def cases():
         ("flood", "source_name", "", "two words"),
         ("group data", "octets", bytes(64), bytes(65)),
         ("group data, question", "stream", 1),
+        ("group data, flooded", "total", 29, 30, 31),
+        ("group data, flooded", "block", 0, 1),
+        ("group data, flooded", "symbol", 0, 1),
     ):
         for value in values:
             yield example_name, {field: value}
@@ -232,7 +236,7 @@ def test_a_capture_is_read(tmp_path):
     path = tmp_path / "sample.pcap"
     subprocess.run([program("sample_frames"), str(path)], check=True)
     *whole, sealed, altered, cut = capture(path)
-    assert {frames.open_frame(frame.octets)[0]["type"] for frame in whole} == set(range(1, 15))
+    assert {frames.open_frame(frame.octets)[0]["type"] for frame in whole} == set(range(1, 16))
     for odd in (sealed, altered, cut):
         with pytest.raises(frames.Malformed):
             frames.open_frame(odd.octets)
