@@ -24,7 +24,7 @@ class Carriage {
   /// Air time of the fastest unicast that is thought of: a full frame at 54 Mbit/s, with the gaps around it.
   static constexpr Time kFastestUnicast = std::chrono::microseconds(300);
   static constexpr std::size_t kWorthATrial = 32;  ///< frames still to be sent
-  static constexpr double kFramesOfAMember = 3.0;  ///< of a tree, its building and reports among them
+  static constexpr double kFramesOfAMember = 5.0;  ///< of a tree, its building and reports among them
 
   Carriage(const air::AirClock& air, const routing::Neighbors& neighbors) : air_(air), neighbors_(neighbors) {}
 

@@ -1,4 +1,5 @@
-// A hundred robots on the move: what arrives, what that costs, and whether a seed repeats it.
+// Robots on the move, a hundred, or sixteen that tell all others: what arrives, what that costs, whether a seed repeats
+// it.
 #include <algorithm>
 #include <ctime>
 #include <deque>
@@ -12,13 +13,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kRobots = 100;
-constexpr std::size_t kGroups = 10;  ///< robot 0, 10, 20 ... is the root of a group, the nine behind it are its members
-constexpr std::size_t kGroupSize = kRobots / kGroups;
-constexpr Time kInterval = 1s;      ///< between two packets of a robot to its partner, and of a root to its group
-constexpr Time kNewPartners = 60s;  ///< each robot chooses another partner at random
-constexpr Time kPathStands = 5s;    ///< a packet counts if a path stands for so long after it was sent
-constexpr Time kWarmUp = 20s;       ///< to join the groups
+constexpr double kSide = 100.0;      ///< m, of the square for a hundred robots
+constexpr double kSideOfFew = 60.0;  ///< and for sixteen: as a large building
+constexpr Time kInterval = 1s;       ///< between two packets of a robot to its partner, and of a root to its group
+constexpr Time kNewPartners = 60s;   ///< each robot chooses another partner at random
+constexpr Time kPathStands = 5s;     ///< a packet counts if a path stands for so long after it was sent
+constexpr Time kWarmUp = 20s;        ///< to join the groups
 constexpr std::size_t kUnicastOctets = 200;
 constexpr std::size_t kGroupOctets = 1000;
 
@@ -37,20 +37,39 @@ struct Tally {
 /// and everybody joins the groups of all.
 enum class Air { kQuiet, kCrowded };
 
+/// Of every `group_size` robots the first is the root of a group to which it sends, and the others are its members; of
+/// groups of one, all other robots are.
+struct Crew {
+  std::string name;
+  std::size_t robots;
+  std::size_t group_size;
+  double side;  ///< m
+  Air air;
+};
+
+Crew hundred(Air air) {
+  return {air == Air::kQuiet ? "100 robots on the move" : "100 robots on the move, contention and joins", 100, 10,
+          kSide, air};
+}
+Crew sixteen() { return {"16 robots on the move that tell all others, contention", 16, 1, kSideOfFew, Air::kCrowded}; }
+
 /// Sends and keeps the books: a packet to a group counts once for each member.
 class Mission {
  public:
-  Mission(Air air, std::uint64_t seed)
-      : moving_(kRobots, options(air), seed, air == Air::kCrowded), choice_(seed), partners_(kRobots) {
+  Mission(const Crew& crew, std::uint64_t seed)
+      : crew_(crew),
+        moving_(crew.robots, crew.side, options(crew.air), seed, crew.air == Air::kCrowded),
+        choice_(seed),
+        partners_(crew.robots) {
     team().on_event = [this](std::size_t robot, const Event& event) { take(robot, event); };
   }
 
   /// Ends early, with what it has, once the program has taken `patience` seconds of processor time for it.
   void run(Time warm_up, Time duration, double patience) {
     give_up_at_ = processor_seconds() + patience;
-    for (std::size_t robot = 0; robot < kRobots; ++robot) {
+    for (std::size_t robot = 0; robot < crew_.robots; ++robot) {
       choose_partner(robot);
-      if (robot % kGroupSize != 0) team().engine(robot).join_group(group_of(robot), team().now());
+      if (!is_root(robot)) team().engine(robot).join_group(group_of(robot), team().now());
     }
     const Time end = warm_up + duration;
     end_ = end + kPathStands;
@@ -98,21 +117,26 @@ class Mission {
     return options;
   }
 
-  static std::string group_of(std::size_t robot) { return "mc_" + Team::name(robot / kGroupSize * kGroupSize); }
+  bool is_root(std::size_t robot) const { return robot % crew_.group_size == 0; }
+  std::string group_of(std::size_t robot) const {
+    return "mc_" + Team::name(robot / crew_.group_size * crew_.group_size);
+  }
 
   /// The robots take turns, so that a quarter of them sends in each step of 250 ms.
   void send_due() {
     const auto step = static_cast<std::size_t>(team().now() / MovingTeam::kStep);
     const std::size_t turns = kInterval / MovingTeam::kStep;
     const bool change = team().now() % kNewPartners < kInterval;
-    for (std::size_t robot = step % turns; robot < kRobots; robot += turns) {
+    for (std::size_t robot = step % turns; robot < crew_.robots; robot += turns) {
       if (change) choose_partner(robot);
       send_one(robot);
-      if (robot % kGroupSize == 0) send_to_group(robot);
+      if (is_root(robot)) send_to_group(robot);
     }
   }
 
-  void choose_partner(std::size_t robot) { partners_[robot] = (robot + 1 + choice_.next() % (kRobots - 1)) % kRobots; }
+  void choose_partner(std::size_t robot) {
+    partners_[robot] = (robot + 1 + choice_.next() % (crew_.robots - 1)) % crew_.robots;
+  }
 
   void send_one(std::size_t robot) {
     ++number_;
@@ -122,7 +146,9 @@ class Mission {
 
   void send_to_group(std::size_t root) {
     ++number_;
-    for (std::size_t member = root + 1; member < root + kGroupSize; ++member) {
+    const std::size_t members = (crew_.group_size == 1 ? crew_.robots : crew_.group_size) - 1;
+    for (std::size_t i = 1; i <= members; ++i) {
+      const std::size_t member = (root + i) % crew_.robots;
       waiting_[{number_, member}] = {root, member, team().now(), true};
     }
     team().send(root, group_of(root), numbered(kGroupOctets));
@@ -162,7 +188,7 @@ class Mission {
       if (is_done) count(packet->second);
       packet = is_done ? waiting_.erase(packet) : std::next(packet);
     }
-    for (std::size_t robot = 0; robot < kRobots; ++robot) team().received(robot).clear();
+    for (std::size_t robot = 0; robot < crew_.robots; ++robot) team().received(robot).clear();
   }
 
   void count(const Packet& packet) {
@@ -174,6 +200,7 @@ class Mission {
     if (packet.arrived) ++tally.arrived;
   }
 
+  Crew crew_;
   MovingTeam moving_;
   Random choice_;
   std::vector<std::size_t> partners_;
@@ -185,12 +212,9 @@ class Mission {
   Time reached_{0};
 };
 
-std::string name_of(Air air) {
-  return air == Air::kQuiet ? "100 robots on the move" : "100 robots on the move, contention and joins";
-}
-
-Row delivered(const Mission& mission, Air air, const std::string& what, const Tally& tally, const std::string& detail) {
-  return {name_of(air) + ", a path stood for 5 s: " + what,
+Row delivered(const Mission& mission, const Crew& crew, const std::string& what, const Tally& tally,
+              const std::string& detail) {
+  return {crew.name + ", a path stood for 5 s: " + what,
           ">= 99.9",
           100 * tally.share(),
           "%",
@@ -214,7 +238,7 @@ std::string kinds_of_frames(Team& team) {
       {"trees", {FrameType::kGroupActivation, FrameType::kGroupRefusal}}};
   Statistics::ByType sent{};
   double all = 0;
-  for (std::size_t robot = 0; robot < kRobots; ++robot) {
+  for (std::size_t robot = 0; robot < team.size(); ++robot) {
     const Statistics statistics = team.engine(robot).statistics();
     for (std::size_t type = 0; type < sent.size(); ++type) sent[type] += statistics.frames_sent_by_type[type];
     all += static_cast<double>(statistics.frames_sent);
@@ -231,7 +255,7 @@ std::string kinds_of_frames(Team& team) {
 Row repeats(const Effort& effort) {
   std::uint64_t hashes[3];
   for (int i = 0; i < 3; ++i) {
-    Mission mission(Air::kQuiet, i < 2 ? 1 : 2);
+    Mission mission(hundred(Air::kQuiet), i < 2 ? 1 : 2);
     mission.run(2s, 3s, effort.patience);
     hashes[i] = mission.team().trace_hash();
   }
@@ -244,10 +268,10 @@ Row repeats(const Effort& effort) {
           "two short runs; another seed gives others"};
 }
 
-void measure_mission(Air air, const Effort& effort, Rows& rows) {
+void measure_mission(const Crew& crew, const Effort& effort, Rows& rows) {
   const double begin = wall_seconds();
   const double start = processor_seconds();
-  Mission mission(air, effort.seed);
+  Mission mission(crew, effort.seed);
   mission.run(kWarmUp, Time(static_cast<Time::rep>(effort.minutes * 60e9)), effort.patience);
   const double wall = wall_seconds() - begin;
   const double cpu = processor_seconds() - start;
@@ -258,23 +282,25 @@ void measure_mission(Air air, const Effort& effort, Rows& rows) {
   const double per_packet = packets > 0 ? frames / packets : frames;
   const bool complete = mission.complete();
   rows.add(delivered(
-      mission, air, "unicast 200 B/s each", mission.unicast(),
+      mission, crew, "unicast 200 B/s each", mission.unicast(),
       format("; %.1f good neighbours, %.2g frames, heard %.2g times", mission.moving().mean_degree(), frames, heard)));
-  rows.add(delivered(mission, air, "10 groups of 10, 1 kB/s each", mission.group(), " (counted for each member)"));
-  rows.add({name_of(air) + ": frames for each packet delivered", "<= 40", per_packet, "frames",
+  const std::string groups = crew.group_size == 1 ? "1 kB/s each to all others" : "10 groups of 10, 1 kB/s each";
+  rows.add(delivered(mission, crew, groups, mission.group(), " (counted for each member)"));
+  rows.add({crew.name + ": frames for each packet delivered", "<= 40", per_packet, "frames",
             complete && per_packet <= 40,
             format("%.3g frames, %.3g packets, path or not: ", frames, packets) + kinds_of_frames(mission.team()) +
                 mission.shortfall()});
-  rows.add({name_of(air) + ": hearings in a second of one core", ">= 200000", heard / cpu, "1/s",
-            heard / cpu >= 200'000, format("%.3g hearings in %.1f s of processor time", heard, cpu)});
-  rows.add({name_of(air) + format(": %.3g virtual minutes on one core", effort.minutes), format("<= %.3g", bar), wall,
-            "s", complete && wall <= bar, format("processor time %.1f s", cpu) + mission.shortfall()});
+  rows.add({crew.name + ": hearings in a second of one core", ">= 200000", heard / cpu, "1/s", heard / cpu >= 200'000,
+            format("%.3g hearings in %.1f s of processor time", heard, cpu)});
+  rows.add({crew.name + format(": %.3g virtual minutes on one core", effort.minutes), format("<= %.3g", bar), wall, "s",
+            complete && wall <= bar, format("processor time %.1f s", cpu) + mission.shortfall()});
 }
 
 }  // namespace
 
 void measure_mobile(const Effort& effort, Rows& rows) {
-  for (const Air air : {Air::kQuiet, Air::kCrowded}) measure_mission(air, effort, rows);
+  for (const Crew& crew : {sixteen(), hundred(Air::kQuiet), hundred(Air::kCrowded)})
+    measure_mission(crew, effort, rows);
   rows.add(repeats(effort));
 }
 

@@ -13,8 +13,10 @@ MediumOptions radio(bool contention) {
   return medium;
 }
 
-WaypointOptions square() {
+WaypointOptions square(double side) {
   WaypointOptions square;
+  square.width = side;
+  square.height = side;
   square.slowest = 0.5;
   square.fastest = 2.0;
   return square;
@@ -22,10 +24,11 @@ WaypointOptions square() {
 
 }  // namespace
 
-MovingTeam::MovingTeam(std::size_t robots, const EngineOptions& options, std::uint64_t seed, bool contention)
+MovingTeam::MovingTeam(std::size_t robots, double side, const EngineOptions& options, std::uint64_t seed,
+                       bool contention)
     : team_(radio(contention), seed), good_since_(robots * robots, Time::max()), lossy_(robots * robots, false) {
   for (std::size_t robot = 0; robot < robots; ++robot) {
-    robots_.emplace_back(square(), seed * 7919 + robot);
+    robots_.emplace_back(square(side), seed * 7919 + robot);
     const Position position = robots_.back().at(Time(0));
     team_.add(options, position.x, position.y);
   }

@@ -9,8 +9,9 @@
 
 namespace adhoc_communication::bench {
 
-/// Robots wander through a square of 100 m. A frame over d metres is lost with the probability (d / 25 m)^4, so that a
-/// link is good (p <= 0.3) up to 18.5 m: 100 robots have about ten good neighbours each, and about as many bad ones.
+/// Robots wander through a square. A frame over d metres is lost with the probability (d / 25 m)^4, so that a
+/// link is good (p <= 0.3) up to 18.5 m: on 100 m x 100 m 100 robots have about ten good neighbours each, and about as
+/// many bad ones.
 class MovingTeam {
  public:
   static constexpr Time kStep = std::chrono::milliseconds(250);  ///< between positions
@@ -18,7 +19,8 @@ class MovingTeam {
   static constexpr double kGoodLoss = 0.3;
 
   /// `contention`: all on one channel; otherwise each has its own to send on.
-  MovingTeam(std::size_t robots, const EngineOptions& options, std::uint64_t seed, bool contention);
+  /// `side`: m, of the square.
+  MovingTeam(std::size_t robots, double side, const EngineOptions& options, std::uint64_t seed, bool contention);
 
   Team& team() { return team_; }
   /// Lets the robots drive and talk for kStep.
