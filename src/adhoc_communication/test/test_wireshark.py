@@ -68,7 +68,7 @@ ALICE, BOB, CAROL = (f"02:00:00:00:00:0{number}" for number in (1, 2, 3))
 
 
 def test_every_frame_has_header_and_right_checksum(frames):
-    assert {int(values(frame, "adhoc.type")[0]) for frame in frames} == set(range(1, 15))
+    assert {int(values(frame, "adhoc.type")[0]) for frame in frames} == set(range(1, 16))
     for number, frame in enumerate(frames, start=1):
         expect(frame, version=2, sender=ALICE, counter=number, next_hop=BOB, link_sequence=77, checksum_good=1)
         assert "adhoc.malformed" not in json.dumps(frame)
@@ -140,6 +140,12 @@ def test_group_data_and_report(frames):
     expect(frames[14], segment=[], image__topic=[])
     expect(frames[15], type=13, stream__complete=1, epoch=7, measured_counter=98, spacing=1300, first_block=4)
     expect(frames[15], missing=[3, 0], coverage="0x00c0ffee")
+
+
+def test_flooded_group_data_and_receipts(frames):
+    expect(frames[17], type=12, stream__flooded=1, stream__report=0, image__topic="greeting")
+    expect(frames[18], type=15, member_count=2, root=[ALICE, ALICE], member=[BOB, CAROL], next_packet=[32, 31])
+    expect(frames[18], beyond=["0x00000000", "0x00000001"])
 
 
 def test_sealed_frame_stays_closed(odd_frames):

@@ -342,11 +342,11 @@ TEST_F(Files, SummariesHaveTheCountersUnderTheirNames) {
   EXPECT_EQ(multicast["num_mc_data_frames_resent"], "8");
   EXPECT_EQ(multicast["num_mc_data_frames_reforwarded"], "9");
   EXPECT_EQ(multicast["num_mc_unique_data_frames_received_directly"], "10");
-  EXPECT_EQ(multicast["num_mc_total_bytes_sent"], "4000");
+  EXPECT_EQ(multicast["num_mc_total_bytes_sent"], "5000");
   const auto number = [](const std::string& text) { return std::stoll(text); };
-  EXPECT_EQ(number(unicast["num_total_frames_sent"]) + number(multicast["num_mc_total_frames_sent"]), 1400 + 105);
+  EXPECT_EQ(number(unicast["num_total_frames_sent"]) + number(multicast["num_mc_total_frames_sent"]), 1500 + 120);
   EXPECT_EQ(number(unicast["num_total_frames_received"]) + number(multicast["num_mc_total_frames_received"]),
-            2800 + 105);
+            3000 + 120);
 
   auto memory = by_column(place / "packet_memory_consumption.csv", 1);
   EXPECT_EQ(memory.size(), 9u);
