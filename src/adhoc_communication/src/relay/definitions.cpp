@@ -92,6 +92,19 @@ void Definitions::drop(std::deque<Held>::iterator held) {
   ++dropped_;
 }
 
+std::vector<std::pair<std::string, TypeName>> Definitions::take_overdue(Time now) {
+  std::vector<std::pair<std::string, TypeName>> overdue;
+  for (auto& [type, asked] : asked_) {
+    if (now - asked < kAskAgain) continue;
+    const auto latest =
+        std::find_if(held_.rbegin(), held_.rend(), [&type = type](const Held& held) { return held.type == type; });
+    if (latest == held_.rend()) continue;
+    asked = now;
+    overdue.emplace_back(latest->packet.source, type);
+  }
+  return overdue;
+}
+
 void Definitions::forget_unawaited() {
   for (auto iterator = asked_.begin(); iterator != asked_.end();) {
     const bool awaited =

@@ -40,6 +40,8 @@ class Definitions {
 
   /// Drops messages that have waited too long.
   void expire(Time now);
+  /// Of whom which definition is to be asked for once more: it did not come, and perhaps no further message will.
+  std::vector<std::pair<std::string, TypeName>> take_overdue(Time now);
   /// Messages dropped since the last call.
   std::uint64_t take_dropped();
 

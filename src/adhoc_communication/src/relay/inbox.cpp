@@ -25,6 +25,8 @@ void Inbox::take(PacketReceived packet, Time now) {
 }
 
 void Inbox::release(Time now) {
+  definitions_.expire(now);
+  for (const auto& [robot, type] : definitions_.take_overdue(now)) calls_.ask(robot, type);
   topics_.release_all(now);
   settle(now);
 }

@@ -41,10 +41,10 @@ class Inbox {
   Inbox(LocalTopics& local, TopicFilter filter, InboxCalls calls);
 
   void take(PacketReceived packet, Time now);
-  /// For an answer on topics, for subscribers to connect, or for them to take it.
-  bool anything_waits() const { return others_.waits() || topics_.anything_waits(); }
+  /// For an answer on topics, a definition, for subscribers to connect, or for them to take it.
+  bool anything_waits() const { return others_.waits() || topics_.anything_waits() || definitions_.awaits_any(); }
   /// Publishes what has waited for an answer, for subscribers that have connected, or long enough, or that take more
-  /// now.
+  /// now. Asks again for definitions that have not come.
   void release(Time now);
   /// Packets dropped since the last call.
   std::uint64_t take_dropped();

@@ -47,6 +47,21 @@ TEST(Definitions, MessagesWaitInOrderAndTheirSenderIsAskedOnceASecond) {
   EXPECT_TRUE(definitions.learn(kType, "float64 x", "alice").empty());
 }
 
+/// The question, or the answer, may be lost, and the message that waits be the last one.
+TEST(Definitions, AreAskedForAgainWhileAMessageWaits) {
+  Definitions definitions;
+  definitions.hold(packet("1"), kType, 0s);
+  EXPECT_TRUE(definitions.take_overdue(999ms).empty());
+  const auto overdue = definitions.take_overdue(1s);
+  ASSERT_EQ(overdue.size(), 1u);
+  EXPECT_EQ(overdue[0].first, "alice");
+  EXPECT_EQ(overdue[0].second, kType);
+  EXPECT_TRUE(definitions.take_overdue(1999ms).empty());
+  EXPECT_EQ(definitions.take_overdue(2s).size(), 1u);
+  definitions.learn(kType, "float64 x", "alice");
+  EXPECT_TRUE(definitions.take_overdue(4s).empty());
+}
+
 TEST(Definitions, PatienceEnds) {
   Definitions definitions;
   definitions.hold(packet("1"), kType, 0s);

@@ -105,6 +105,18 @@ TEST_F(InboxTest, AMessageWaitsForItsDefinitionAndIsAskedForOnce) {
   EXPECT_EQ(inbox.take_dropped(), 0u);
 }
 
+/// A newcomer to a group that got one message, whose question was lost, never showed it.
+TEST_F(InboxTest, ADefinitionThatDoesNotComeIsAskedForAgainThoughNoMessageFollows) {
+  inbox.take(by_type("scan", "1"), 0s);
+  EXPECT_TRUE(inbox.anything_waits()) << "so that release() is called";
+  inbox.release(500ms);
+  EXPECT_EQ(asked.size(), 1u);
+  inbox.release(1s);
+  EXPECT_EQ(asked, (Texts{"bob pkg/Type", "bob pkg/Type"}));
+  inbox.take(definition(), 1100ms);
+  EXPECT_EQ(local.published, Texts{"/scan 1"});
+}
+
 TEST_F(InboxTest, AnUnaskedDefinitionIsNotKept) {
   inbox.take(definition(), 0s);
   inbox.take(by_type("scan", "1"), 0s);
