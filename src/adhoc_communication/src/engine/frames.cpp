@@ -54,7 +54,8 @@ bool Engine::Implementation::lost_artificially(FrameType type) {
   if (options_.loss_ratio <= 0.0) return false;
   const bool concerned = type == FrameType::kData || type == FrameType::kTransportAcknowledgment ||
                          type == FrameType::kHopAcknowledgment || type == FrameType::kBroadcastData ||
-                         type == FrameType::kFlood || type == FrameType::kGroupData || type == FrameType::kGroupReport;
+                         type == FrameType::kFlood || type == FrameType::kGroupData ||
+                         type == FrameType::kGroupReport || type == FrameType::kGroupReceipts;
   return concerned && random_.chance(options_.loss_ratio);
 }
 

@@ -5,23 +5,23 @@
 
 namespace adhoc_communication::multicast {
 
-bool Flooding::take(const MacAddress& from, const wire::GroupData& data, Time now) {
+void Flooding::take(const MacAddress& from, const wire::GroupData& data, Time now) {
   const Key key = key_of(data);
   const auto known = packets_.find(key);
   if (known != packets_.end()) {
     Packet& packet = known->second;
     packet.senders.insert(from);
     if (packet.sends == 0 && packet.due) prefer_upstream(key, from, now);
-    return false;
+    return;
   }
   note_upstream(key, from, now);
   wire::GroupData passed_on = data;
   passed_on.hops = static_cast<std::uint8_t>(std::min<int>(data.hops + 1, wire::kFarthestHop));
   if (data.hops >= wire::kFarthestHop) passed_on.octets.clear();
-  return add(from, std::move(passed_on), random_.delay(kJitter), now);
+  add(from, std::move(passed_on), random_.delay(kJitter), now);
 }
 
-bool Flooding::add(const MacAddress& from, wire::GroupData data, Time jitter, Time now) {
+void Flooding::add(const MacAddress& from, wire::GroupData data, Time jitter, Time now) {
   make_room();
   const Key key = key_of(data);
   Packet& packet = packets_[key];
@@ -30,7 +30,6 @@ bool Flooding::add(const MacAddress& from, wire::GroupData data, Time jitter, Ti
   if (from != MacAddress{}) packet.senders.insert(from);
   oldest_.push_back(key);
   if (!packet.data.octets.empty()) decide_at(key, packet, now + jitter);
-  return true;
 }
 
 void Flooding::make_room() {

@@ -34,9 +34,10 @@ class Flooding {
   Flooding(const Identity& self, const routing::Neighbors& neighbors, Random& random)
       : self_(self), neighbors_(neighbors), random_(random) {}
 
-  /// An own packet, or one that came from `from`; `from` has sent it by now. False if it was here before.
-  bool originate(wire::GroupData data, Time now) { return add({}, std::move(data), Time(0), now); }
-  bool take(const MacAddress& from, const wire::GroupData& data, Time now);
+  /// An own packet.
+  void originate(wire::GroupData data, Time now) { add({}, std::move(data), Time(0), now); }
+  /// One that came from `from`, who has sent it by now.
+  void take(const MacAddress& from, const wire::GroupData& data, Time now);
   /// The neighbour with the best link of those that sent the latest packet of that run of the root before this robot
   /// decided about it. Each has sent it before whoever chooses it, so that nothing goes in circles.
   std::optional<MacAddress> upstream(const MacAddress& root, wire::BootTag boot) const;
@@ -67,7 +68,7 @@ class Flooding {
   };
 
   static Key key_of(const wire::GroupData& data) { return {data.root, data.root_boot, data.stream, data.packet}; }
-  bool add(const MacAddress& from, wire::GroupData data, Time jitter, Time now);
+  void add(const MacAddress& from, wire::GroupData data, Time jitter, Time now);
   void make_room();
   void decide_at(const Key& key, Packet& packet, Time due);
   void forget_due(const Key& key, Packet& packet);

@@ -36,6 +36,7 @@ ADHOC_KIND(GroupActivation, kGroupActivation, read_group_activation);
 ADHOC_KIND(GroupRefusal, kGroupRefusal, read_group_refusal);
 ADHOC_KIND(GroupData, kGroupData, read_group_data);
 ADHOC_KIND(GroupReport, kGroupReport, read_group_report);
+ADHOC_KIND(GroupReceipts, kGroupReceipts, read_group_receipts);
 #undef ADHOC_KIND
 
 struct Host {

@@ -22,6 +22,40 @@ wire::RouteRequest request_of(const Host& originator, const std::string& destina
   return request;
 }
 
+TEST(Bounds, FloodedPacketsAndWhatMembersSayOfThem) {
+  Stage stage;
+  Host root = make_host(0);
+  Host liar = make_host(1);
+  stage.beacon(root);
+  stage.beacon(liar);
+  wire::GroupData data;
+  data.root = root.address;
+  data.root_boot = root.boot();
+  data.flooded = true;
+  data.total = 100;
+  data.segment_size = 1000;
+  data.octets = Bytes(100, 1);
+  for (std::size_t i = 0; i < 2000; ++i) {
+    data.packet = static_cast<std::uint32_t>(i);
+    stage.say(liar, data);
+    wire::GroupReceipts receipts;
+    for (std::size_t member = 0; member < 5; ++member) {
+      receipts.receipts.push_back({root.address, root.boot(), 0, make_host(100 + 5 * i + member).address, 1, 0});
+    }
+    stage.say(liar, receipts);
+    stage.run_for(1ms);
+    if (i % 100 == 0) {
+      stage.beacon(root);
+      stage.beacon(liar);
+    }
+  }
+  expect_bounds(stage, " after 2000 packets and 10 000 receipts");
+  for (const TableFill& table : stage.node().tables()) {
+    const bool meant = std::string(table.table) == "flooded packets" || std::string(table.table) == "receipts";
+    if (meant) EXPECT_EQ(table.size, table.most) << table.table << ": the test does not fill it";
+  }
+}
+
 /// Strangers that relied on a route and left were given a link each for the news that it broke, for ever.
 TEST(Bounds, NoLinksToRobotsThatAreGone) {
   Stage stage;
