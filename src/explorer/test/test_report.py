@@ -68,12 +68,18 @@ def test_all_bids_of_the_last_auction_are_told_with_who_explores_what() -> None:
     assert sorted(offer.explored_by for offer in told.offers) == ["", "robot_0"]
 
 
-def test_a_cluster_that_another_robot_explores_is_told_as_its_own() -> None:
+def beside_robot_1() -> Bench:
+    """Of two clusters robot_1 has said that it explores the left one."""
     bench = Bench(7).map(corridor()).join("robot_1", position=(-8.0, 0.0))
     elements = [Element("robot_1", 10000 + i, -3.9, -1.2 + 0.2 * i) for i in range(13)]
     bench.agent.on_frontiers(elements, bench.now)
     closing = Auction("robot_1", 10001, True, finished=True, occupied=tuple(e.key for e in elements))
     bench.agent.on_auction(closing, bench.now)
+    return bench
+
+
+def test_a_cluster_that_another_robot_explores_is_told_as_its_own() -> None:
+    bench = beside_robot_1()
     bench.run(3.0)
     told = report(bench).auction
     assert told is not None
@@ -112,11 +118,7 @@ def test_reasons_of_the_only_cluster_and_of_the_way_home() -> None:
 
 
 def test_who_explores_which_cluster() -> None:
-    bench = Bench(7).map(corridor()).join("robot_1", position=(-8.0, 0.0))
-    elements = [Element("robot_1", 10000 + i, -3.9, -1.2 + 0.2 * i) for i in range(13)]
-    bench.agent.on_frontiers(elements, bench.now)
-    closing = Auction("robot_1", 10001, True, finished=True, occupied=tuple(e.key for e in elements))
-    bench.agent.on_auction(closing, bench.now)
+    bench = beside_robot_1()
     bench.run(2.0)
     places = report(bench).assignment
     assert set(places) == {"robot_0", "robot_1"}

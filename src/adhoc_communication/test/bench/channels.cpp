@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "channel_models.hpp"
+#include "diamond.hpp"
 #include "rows.hpp"
 
 namespace adhoc_communication::bench {
@@ -246,15 +247,9 @@ Row detour_row(std::uint64_t first_seed, int seeds) {
   int lost = 0;
   int spoiled = 0;
   for (std::uint64_t seed = first_seed; seed < first_seed + static_cast<std::uint64_t>(seeds); ++seed) {
-    Team team({}, seed);
-    team.add({}, 0, 0);
-    team.add({}, 7, 4);
-    team.add({}, 7, -4);
-    team.add({}, 14, 0);
-    std::size_t relay = 0;
-    team.on_transmission = [&](std::size_t robot, const Frame& frame) {
-      if ((robot == 1 || robot == 2) && frame.bytes.size() > 1000) relay = robot;
-    };
+    Diamond diamond({}, seed);
+    Team& team = diamond.team;
+    const std::size_t& relay = diamond.relay;
     team.run_for(1s);
     std::vector<SendId> ids;
     const auto flow = [&](Time duration) {

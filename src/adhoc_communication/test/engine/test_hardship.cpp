@@ -1,6 +1,7 @@
 // Restarts, duplication, reordering, corruption, hostile frames, full queues.
 #include <gtest/gtest.h>
 
+#include "diamond.hpp"
 #include "finish.hpp"
 #include "payloads.hpp"
 #include "simulation/team.hpp"
@@ -125,15 +126,9 @@ TEST(Hardship, RelayDiesInMidTransferAndNothingIsLostOrDoubled) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     MediumOptions medium;
     medium.loss = 0.1;
-    Team team(medium, seed);
-    team.add({}, 0, 0);
-    team.add({}, 7, 4);
-    team.add({}, 7, -4);
-    team.add({}, 14, 0);
-    std::size_t relay = 0;
-    team.on_transmission = [&](std::size_t robot, const Frame& frame) {
-      if ((robot == 1 || robot == 2) && frame.bytes.size() > 1000) relay = robot;
-    };
+    Diamond diamond(medium, seed);
+    Team& team = diamond.team;
+    const std::size_t& relay = diamond.relay;
     team.run_for(1s);
     std::vector<Bytes> sent;
     std::vector<SendId> ids;

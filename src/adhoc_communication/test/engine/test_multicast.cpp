@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "diamond.hpp"
 #include "finish.hpp"
 #include "multicast/group_packet.hpp"
 #include "payloads.hpp"
@@ -176,15 +177,9 @@ TEST(Multicast, B7_4_B7_6_ABrokenBranchIsBuiltAnew) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     MediumOptions medium;
     medium.loss = 0.1;
-    Team team(medium, seed);
-    team.add({}, 0, 0);
-    team.add({}, 7, 4);
-    team.add({}, 7, -4);
-    team.add({}, 14, 0);
-    std::size_t relay = 0;
-    team.on_transmission = [&](std::size_t robot, const Frame& frame) {
-      if ((robot == 1 || robot == 2) && frame.bytes.size() > 1000) relay = robot;
-    };
+    Diamond diamond(medium, seed);
+    Team& team = diamond.team;
+    const std::size_t& relay = diamond.relay;
     team.run_for(3s);
     const Bytes payload = noise(1'000'000, seed);
     const SendId id = team.send(0, "mc_robot_0", payload, Priority::kBulk);

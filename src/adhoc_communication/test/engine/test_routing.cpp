@@ -1,6 +1,7 @@
 // Routing of whole teams. The rules of AODV one by one: test_aodv_*.cpp.
 #include <gtest/gtest.h>
 
+#include "diamond.hpp"
 #include "payloads.hpp"
 #include "routing/route_table.hpp"
 #include "simulation/team.hpp"
@@ -73,15 +74,9 @@ TEST(Routing, RelayDiesAndTrafficFlowsAgainWithinASecond) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     MediumOptions medium;
     medium.loss = seed % 2 == 0 ? 0.1 : 0.0;
-    Team team(medium, seed);
-    team.add({}, 0, 0);
-    team.add({}, 7, 4);
-    team.add({}, 7, -4);
-    team.add({}, 14, 0);
-    std::size_t relay = 0;
-    team.on_transmission = [&](std::size_t robot, const Frame& frame) {
-      if ((robot == 1 || robot == 2) && frame.bytes.size() > 1000) relay = robot;
-    };
+    Diamond diamond(medium, seed);
+    Team& team = diamond.team;
+    const std::size_t& relay = diamond.relay;
     team.run_for(1s);
     const SendId before = team.send(0, "robot_3", noise(2000));
     ASSERT_TRUE(team.run_until_done([&] { return team.finished(0, before) != nullptr; }, 5s));
