@@ -9,7 +9,7 @@ from typing import List, NamedTuple
 
 LIMIT_S = 400
 TOPOLOGIES = ("distributed", "centralized")
-LOOK = ("timeout", "5", "rostopic", "echo", "-n1")
+LOOK = ("timeout", "20", "rostopic", "echo", "-n1")
 BEGINS = ("timeout", "20", "rostopic", "echo", "-n1", "--filter", "m.state==1")
 KILLED = {
     "distributed": {"robot_0": ("explorer", "adhoc_communication"), "robot_1": ("map_merger",)},

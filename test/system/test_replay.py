@@ -112,8 +112,9 @@ def test_bags_of_real_robots_are_merged_again(recorded: Path, tmp_path: Path) ->
 
 @pytest.fixture
 def playing(recorded: Path, tmp_path: Path) -> Iterator["tuple[subprocess.Popen[str], Path]"]:
+    """Slowly: on a busy computer the mission was over before all had been looked at."""
     out = tmp_path / "out"
-    words = ["rosrun", "mr_launch", "replay", str(recorded), "--from", "5", "--out", str(out)]
+    words = ["rosrun", "mr_launch", "replay", str(recorded), "--from", "5", "--rate", "0.4", "--out", str(out)]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         yield process, out
