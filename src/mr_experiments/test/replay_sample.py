@@ -57,7 +57,19 @@ def sample_robot(index: int, names: list[str], start: Pose, end: int) -> dict[st
             {"set": 40.0, "x": 0.5, "y": 0.0, "end": None, "outcome": "", "text": ""},
         ],
         "merges": [merge] if len(names) > 1 else [],
-        "auctions": [{"at": 5.0 + index, "id": 7, "clusters": 3}],
+        "auctions": [
+            {
+                "at": 5.0 + index,
+                "id": 7,
+                "clusters": 2,
+                "unit": 7,
+                "offers": [
+                    {"x": 1.0, "y": 0.5, "bids": {name: 3.0 for name in names}, "explored_by": names[0]},
+                    {"x": 2.0, "y": 0.5, "bids": {names[-1]: 8.0}},
+                ],
+            },
+            {"at": 30.0 + index, "id": 8, "clusters": 1},
+        ],
         "series": {
             "time": times,
             "x": [p[0] for p in poses],

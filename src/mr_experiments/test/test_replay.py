@@ -161,8 +161,16 @@ def test_page_plays_in_a_browser(tmp_path, page):
             tab = await one.open(f"{path.as_uri()}#t=15")
             await tab.wait_for("document.getElementById('clock').textContent === '0:15 / 1:00'")
             assert await tab.run("document.querySelectorAll('#robots tr').length") == 2
+            auctions = "[...document.querySelectorAll('#auctions summary')].map((one) => one.textContent).join(' | ')"
+            took = "2 clusters, it took (1.0, 3.0)"
+            assert (
+                await tab.run(auctions)
+                == f"Last auction of robot_0: {took} | Last auction of robot_1: 2 clusters, none was for it"
+            )
             await tab.click("#robots tr:nth-child(2)")
             assert await tab.run("document.getElementById('view').value") == "1"
+            bids = "[...document.querySelectorAll('#auctions .hint')].map((one) => one.textContent)[1]"
+            await tab.wait_for(f"{bids} === 'bids: robot_1 8.0'")
             await tab.click("#play")
             await tab.wait_for("document.getElementById('clock').textContent === '1:00 / 1:00'")
             await tab.click("#events li:nth-child(3)")

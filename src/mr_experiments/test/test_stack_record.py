@@ -41,6 +41,7 @@ OPTIONS = SimpleNamespace(
     initial_poses=False, starts=[], odometry="bias", topology="distributed", slam="ours", navigation="ours", rtf=1.0,
     respawn=False, bag=True, time_limit=0.0, distance_limit=0.0,
 )  # fmt: skip
+OFFER = {"x": 1.0, "y": 0.0, "bids": {"robot_1": 3.5}, "explored_by": "robot_1"}
 PLACED = {"kind": "merge", "at": START + 4.0, "partner": "robot_1", "transform": [1.08, 0.5, 0.0]}
 REFERENCE = np.array([[1.0, 2.0], [4.0, 2.0], [4.0, 5.0]])  # m, world frame
 
@@ -53,6 +54,7 @@ def log_of(name):
         {"kind": "goal_end", "at": START + 3.0, "outcome": "failed", "text": "no way"},
         {"kind": "goal", "at": START + 3.5, "id": 2, "x": 3.0, "y": 0.0},
         {"kind": "auction", "at": START + 0.5, "id": 17, "clusters": 4},
+        {"kind": "auction_result", "at": START + 1.0, "number": 17, "unit": 7, "offers": [OFFER]},
         {"kind": "note", "at": START + 3.0, "text": "explorer: no way", "warning": True},
         PLACED,
     ]
@@ -213,7 +215,8 @@ def test_a_mission_of_the_stack_is_replayed(missions):
     assert [(goal["set"], goal["end"], goal["x"], goal["outcome"]) for goal in goals] == [
         (1, 3, 3, "failed"), (3.5, None, 4, "")
     ]  # fmt: skip
-    assert auctions == [{"at": 0.5, "id": 17, "clusters": 4}]
+    (opened,) = auctions
+    assert opened == {"at": 0.5, "id": 17, "clusters": 4, "unit": 7, "offers": [[2, 2, {"robot_1": 3.5}, "robot_1"]]}
     assert page["links"] == [[0, 30, 0, 1, False]] and page["team"]["explored"]
     assert {"robot_0 failed to reach its goal: no way", "robot_0: explorer: no way"} <= {
         event["text"] for event in page["events"]

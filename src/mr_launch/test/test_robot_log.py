@@ -12,7 +12,7 @@ from mr_launch.reports import ReportServer, RobotReport
 from mr_launch.robot_log import RobotLog, Sample
 from mr_measures.motion import RECORD
 from mr_measures.record.mission_record import Note
-from mr_measures.record.robot_record import Auction, Goal, Merge
+from mr_measures.record.robot_record import Auction, Goal, Merge, Offer
 
 START = 6.0  # s of simulation time
 
@@ -82,6 +82,26 @@ def test_auctions_bids_and_notes():
     told(digest, log)  # an event is told once
     assert log.auctions(START) == (Auction(2.0, 17, 4),) and report.bids == 2
     assert log.notes(START, "a") == (Note(0.0, "a", "explorer: lost", True),)
+
+
+def test_what_came_of_an_auction_is_told_once():
+    digest, log = Digest("a"), RobotLog()
+    offer = {"x": 1.0, "y": 2.0, "bids": {"a": 4.5, "b": 3.0}, "explored_by": "b"}
+    digest.auction_result(3, 7, [offer], 7.0)  # of before the monitor began
+    digest.auction(17, 1, 8.0)
+    digest.auction_result(17, 7, [offer], 9.0)
+    digest.auction(18, 2, 9.5)
+    digest.auction_result(17, 7, [offer], 10.0)
+    assert [event["kind"] for event in json.loads(json.dumps(digest.report(10.0)))["events"]].count(
+        "auction_result"
+    ) == 2
+    digest.auction(17, 1, 8.0)
+    digest.auction_result(19, 7, [], 9.0)
+    digest.auction_result(20, 7, [{**offer, "bids": {"a": math.inf}}], 9.5)
+    told(digest, log)
+    log.take(Sample(11.0), [{"kind": "auction_result", "at": 9.0, "number": 17, "unit": 7, "offers": [offer]}])
+    assert log.auctions(START) == (Auction(2.0, 17, 1, 7, (Offer(1.0, 2.0, {"a": 4.5, "b": 3.0}, "b"),)),)
+    assert "not finite" in log.notes(START, "a")[0].text
 
 
 def test_what_waits_is_bounded():

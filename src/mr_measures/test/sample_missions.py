@@ -17,7 +17,7 @@ from mr_measures.record.mission_record import (
     Snapshot,
     Team,
 )
-from mr_measures.record.robot_record import Auction, Contacts, Goal, MapFigures, Merge, RobotRecord
+from mr_measures.record.robot_record import Auction, Contacts, Goal, MapFigures, Merge, Offer, RobotRecord
 from mr_measures.record.series import RobotSeries, TeamSeries
 
 NAMES = ("robot_0", "robot_1", "robot_2")
@@ -46,6 +46,9 @@ def columns(draw, kind, neighbors=False):
 
 merges = st.builds(Merge, texts, times, maybe(poses), maybe(numbers), maybe(numbers), texts, maybe(st.booleans()))
 goals = st.builds(Goal, times, numbers, numbers, maybe(times), texts, texts, maybe(counts))
+offers = st.lists(
+    st.builds(Offer, numbers, numbers, st.dictionaries(texts, numbers, max_size=2), texts), max_size=2
+).map(tuple)
 robots = st.builds(
     RobotRecord,
     poses,
@@ -60,7 +63,7 @@ robots = st.builds(
     st.dictionaries(st.sampled_from(["bytes_sent", "frames_sent", "packets_failed", "hops"]), counts),
     st.dictionaries(texts, counts, max_size=2),
     st.lists(goals, max_size=2).map(tuple),
-    st.lists(st.builds(Auction, times, maybe(counts), counts), max_size=2).map(tuple),
+    st.lists(st.builds(Auction, times, maybe(counts), counts, counts, offers), max_size=2).map(tuple),
     maybe(st.lists(merges, max_size=2).map(tuple)),
     columns(RobotSeries, neighbors=True),
 )

@@ -19,11 +19,14 @@ class Offer:
 
 @dataclass(frozen=True)
 class AuctionResult:
+    """`unit`: what the bids are counted in."""
+
     auction_id: int
+    unit: int
     offers: Tuple[Offer, ...]
 
 
-def result_of(auction: OpenAuction, own_bids: Mapping[int, float], scene: Scene) -> AuctionResult:
+def result_of(auction: OpenAuction, own_bids: Mapping[int, float], unit: int, scene: Scene) -> AuctionResult:
     """`own_bids`: {cluster number: bid} of the auctioneer. `scene`: after its choice."""
     claimed = scene.claimed
     offers = []
@@ -32,4 +35,4 @@ def result_of(auction: OpenAuction, own_bids: Mapping[int, float], scene: Scene)
         bids.update({robot: offered[number] for robot, offered in auction.bids.items() if number in offered})
         explored_by = scene.name if number == scene.own else claimed.get(number, "")
         offers.append(Offer(place, bids, explored_by))
-    return AuctionResult(auction.auction_id, tuple(offers))
+    return AuctionResult(auction.auction_id, unit, tuple(offers))

@@ -253,7 +253,7 @@ class Exploration:
         if auction is not None:
             self._selection.close(auction.auction_id, auction.bids, self._scenes.scene(now))
             scene = self._scenes.scene(now)
-            self.last_auction = result_of(auction, self.auctions.told, scene)
+            self.last_auction = result_of(auction, self.auctions.told, self.strategy.unit, scene)
         if may_drive and self.driver.may_send(now):
             self._selection.select(scene)
         self._selection.confirm(scene)

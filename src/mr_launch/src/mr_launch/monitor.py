@@ -7,7 +7,7 @@ import math
 import select
 import socket
 from collections import deque
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 from mr_grid import Pose
 from mr_measures.drift import SPACING
@@ -31,6 +31,7 @@ class Digest:
         self._goals = 0
         self._goal = ""  # move_base's name of the present one
         self._bids = 0
+        self._auction: int | None = None  # of which it was told last what came of it
         self._place: Pose | None = None  # told last
 
     def seen(self, part: str) -> None:
@@ -70,6 +71,12 @@ class Digest:
     def auction(self, number: int, clusters: int, now: float) -> None:
         """The robot opens one."""
         self._happened("auction", now, id=number, clusters=clusters)
+
+    def auction_result(self, number: int, unit: int, offers: Sequence[Mapping[str, Any]], now: float) -> None:
+        """What came of an auction of the robot; news once. `offers`: as `mr_measures.record.robot_record.Offer`."""
+        if offers and number != self._auction:
+            self._auction = number
+            self._happened("auction_result", now, number=number, unit=unit, offers=list(offers))
 
     def bid(self) -> None:
         """The robot answers another's auction."""

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import rospy
 from adhoc_communication.msg import ExpAuction, Status
-from explorer.msg import ExplorationState
+from explorer.msg import ExplorationState, ExplorationStatus
 from map_merger.msg import MergerStatus
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionGoal, MoveBaseActionResult
 from nav_msgs.msg import OccupancyGrid
@@ -18,7 +18,7 @@ from mr_grid.ros_node import init_node
 from mr_launch.maps import save_raw
 from mr_launch.merger_status import transforms_of
 from mr_launch.monitor import Digest, RunnerLink
-from mr_launch.ros_io import OUTCOMES, radio_values, state_values
+from mr_launch.ros_io import OUTCOMES, offers_of, radio_values, state_values
 from mr_launch.world import Meter, own_map_file
 from mr_measures.occupancy import free_area
 from mr_measures.record.logs import FAILED
@@ -73,6 +73,7 @@ class RobotMonitor(Monitor):
         rospy.Subscriber("map_merger/global_map", numpy_msg(OccupancyGrid), self._on_map, queue_size=1, buff_size=LARGE)
         rospy.Subscriber("explorer/state", ExplorationState, self._on_state, queue_size=2)
         rospy.Subscriber("map_merger/status", MergerStatus, self._on_merger, queue_size=2)
+        rospy.Subscriber("explorer/status", ExplorationStatus, self._on_exploration, queue_size=2)
         rospy.Subscriber("explorer/sent_auctions", ExpAuction, self._on_auction, queue_size=50)
         rospy.Subscriber("move_base/goal", MoveBaseActionGoal, self._on_goal, queue_size=50)
         rospy.Subscriber("move_base/feedback", MoveBaseActionFeedback, self._on_feedback, queue_size=50)
@@ -113,6 +114,9 @@ class RobotMonitor(Monitor):
             self._digest.bid()
         elif message.start_auction:
             self._digest.auction(message.auction_id, len(message.requested_clusters), rospy.get_time())
+
+    def _on_exploration(self, message: ExplorationStatus) -> None:
+        self._digest.auction_result(message.auction_id, message.bid_unit, offers_of(message), rospy.get_time())
 
     def _on_goal(self, message: MoveBaseActionGoal) -> None:
         place = message.goal.target_pose.pose.position

@@ -9,9 +9,9 @@ from typing import Any, Iterable, Mapping, Sequence
 import numpy as np
 
 from mr_grid import Pose
-from mr_measures.record.logs import CANCELLED, GoalLog, NoteLog
+from mr_measures.record.logs import CANCELLED, AuctionLog, GoalLog, NoteLog
 from mr_measures.record.mission_record import Note
-from mr_measures.record.robot_record import Auction, Goal, Merge
+from mr_measures.record.robot_record import Auction, Goal, Merge, Offer
 from mr_measures.record.series import RobotSeries
 
 SERIES_PERIOD = 1.0  # s between two samples
@@ -41,7 +41,7 @@ class RobotLog:
     def __init__(self) -> None:
         self._samples: list[Sample] = []
         self._goals = GoalLog()
-        self._auctions: list[Auction] = []
+        self._auctions = AuctionLog()
         self._merges: list[Merge] = []
         self.poses: list[tuple[float, Pose]] = []  # where the robot believed to be, in its map, and when
         self._notes = NoteLog()
@@ -79,7 +79,9 @@ class RobotLog:
         elif kind == "goal_end":
             self._goals.end(at, **values)
         elif kind == "auction":
-            self._auctions.append(Auction(at, **values))
+            self._auctions.begin(Auction(at, **values))
+        elif kind == "auction_result":
+            self._auctions.end(values["number"], values["unit"], [Offer(**offer) for offer in values["offers"]])
         elif kind == "merge":
             place = values["transform"]
             self._merges.append(Merge(values["partner"], at, None if place is None else Pose(*place)))
@@ -97,7 +99,7 @@ class RobotLog:
         )
 
     def auctions(self, start: float) -> tuple[Auction, ...]:
-        return tuple(replace(auction, at=_since(auction.at, start)) for auction in self._auctions)
+        return tuple(replace(auction, at=_since(auction.at, start)) for auction in self._auctions.auctions)
 
     def merges(self, start: float, robots: Sequence[str]) -> tuple[Merge, ...]:
         """Of transforms to these robots."""
@@ -123,11 +125,14 @@ class RobotLog:
 
 
 def _finite(values: Iterable[Any]) -> bool:
-    """Of all numbers in them, and in lists of them."""
-    return all(
-        _finite(value) if isinstance(value, list) else not isinstance(value, float) or math.isfinite(value)
-        for value in values
-    )
+    """Of all numbers in them, and in lists and mappings of them."""
+    return all(_finite_within(value) for value in values)
+
+
+def _finite_within(value: Any) -> bool:
+    if isinstance(value, Mapping):
+        return _finite(value.values())
+    return _finite(value) if isinstance(value, list) else not isinstance(value, float) or math.isfinite(value)
 
 
 def _since(at: float, start: float) -> float:

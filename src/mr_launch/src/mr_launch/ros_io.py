@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import actionlib
@@ -31,6 +32,19 @@ def state_values(message: Any) -> dict[str, Any]:
         "auctions": message.auctions_completed,
         "auctions_uncompleted": message.auctions_uncompleted,
     }
+
+
+def offers_of(message: Any) -> list[dict[str, Any]]:
+    """explorer/ExplorationStatus: all bids of the last auction, as `mr_measures.record.robot_record.Offer`."""
+    return [
+        {
+            "x": round(offer.place.x, 3),
+            "y": round(offer.place.y, 3),
+            "bids": {bid.robot_name: round(bid.bid, 2) for bid in offer.bids if math.isfinite(bid.bid)},
+            "explored_by": offer.explored_by,
+        }
+        for offer in message.auction
+    ]
 
 
 def radio_values(message: Any) -> dict[str, Any]:

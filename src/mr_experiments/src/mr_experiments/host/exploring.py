@@ -12,6 +12,7 @@ from explorer.msg import TeamOrder, TeamVerdicts
 
 from explorer import messages, ros_io, ros_team, ros_verdicts
 from explorer.agent import ExplorerAgent
+from explorer.auction_result import AuctionResult
 from explorer.call_queue import CALLS, HANDOVER, CallQueue
 from explorer.foreign import Element
 from explorer.grid import OccupancyMap
@@ -52,6 +53,8 @@ class ExplorerListener(Protocol):
     def transform_point(self, robot: str, point: tuple[float, float]) -> tuple[float, float] | None: ...
 
     def on_auction_message(self, auction: messages.Auction, now: float) -> None: ...
+
+    def on_auction_result(self, result: AuctionResult) -> None: ...
 
     def on_note(self, text: str, warning: bool, now: float) -> None: ...
 
@@ -110,6 +113,7 @@ class Explorer:
         self._wire = ros_io.Wire(options.simulation)
         self._calls, self._bid_calls = _Calls(3, agenda, clock), _Calls(2, agenda, clock)
         self._running = True
+        self._last_auction: AuctionResult | None = None
 
     def start(self, now: float) -> None:
         self._agenda.every(self._tick, now, lambda _: self.tick())
@@ -192,6 +196,10 @@ class Explorer:
             effects = self.agent.tick(now)
         for effect in effects:
             self._carry_out(effect, now)
+        result = self.agent.mission.last_auction
+        if result is not None and result is not self._last_auction:
+            self._last_auction = result
+            self._listener.on_auction_result(result)
 
     def _carry_out(self, effect: messages.Effect, now: float) -> None:
         if isinstance(effect, messages.SetGoal):

@@ -10,7 +10,7 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from explorer import messages
+from explorer import auction_result, messages
 from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot import Robot
 from mr_experiments.host.transforms import MergeLog
@@ -20,9 +20,9 @@ from mr_grid import OccupancyGrid, Pose
 from mr_measures.map_picture import picture_of
 from mr_measures.motion import RECORD
 from mr_measures.occupancy import free_area, occupancy_of
-from mr_measures.record.logs import GoalLog, NoteLog
+from mr_measures.record.logs import AuctionLog, GoalLog, NoteLog
 from mr_measures.record.mission_record import Note, Snapshot
-from mr_measures.record.robot_record import Auction, Goal
+from mr_measures.record.robot_record import Auction, Goal, Offer
 from mr_measures.record.series import RobotSeries, TeamSeries
 from mr_measures.stored_truth import truth_of_generated
 from mr_measures.truth import Truth
@@ -57,7 +57,7 @@ class RobotLog:
         self.stalled = 0.0  # s
         self.columns: dict[str, list[Any]] = {field.name: [] for field in fields(RobotSeries)}
         self.goals = GoalLog()
-        self.auctions: list[Auction] = []
+        self.auctions = AuctionLog()
         self.distance = 0.0
         self.global_map: OccupancyGrid | None = None
         self.explored = 0.0
@@ -197,7 +197,10 @@ class Recorder:
     def on_auction(self, robot: int, auction: messages.Auction, now: float) -> None:
         if auction.status and auction.start:
             opened = Auction(self._since(now), auction.auction_id, len(auction.requested))
-            self.logs[robot].auctions.append(opened)
+            self.logs[robot].auctions.begin(opened)
+
+    def on_auction_result(self, robot: int, result: auction_result.AuctionResult) -> None:
+        self.logs[robot].auctions.end(result.auction_id, result.unit, map(_offer_of, result.offers))
 
     def on_global_map(self, robot: int, grid: OccupancyGrid, now: float) -> None:
         log = self.logs[robot]
@@ -218,3 +221,8 @@ class Recorder:
 
     def on_death(self, robot: int, now: float) -> None:
         self.logs[robot].died_at = self._since(now)
+
+
+def _offer_of(offer: auction_result.Offer) -> Offer:
+    (x, y), bids = offer.place, {robot: round(bid, 2) for robot, bid in offer.bids.items() if math.isfinite(bid)}
+    return Offer(round(x, 3), round(y, 3), bids, offer.explored_by)

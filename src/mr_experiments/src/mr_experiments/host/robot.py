@@ -7,6 +7,7 @@ from typing import Callable, Protocol
 import numpy as np
 
 from explorer import messages
+from explorer.auction_result import AuctionResult
 from explorer.options import Options as ExplorerOptions
 from map_merger.messages import Boot
 from map_merger.options import Options as MergerOptions
@@ -34,6 +35,8 @@ class Observer(Protocol):
     def on_goal_end(self, robot: int, goal_id: int | None, outcome: str, text: str, now: float) -> None: ...
 
     def on_auction(self, robot: int, auction: messages.Auction, now: float) -> None: ...
+
+    def on_auction_result(self, robot: int, result: AuctionResult) -> None: ...
 
     def on_global_map(self, robot: int, grid: OccupancyGrid, now: float) -> None: ...
 
@@ -177,6 +180,9 @@ class Robot:
 
     def on_auction_message(self, auction: messages.Auction, now: float) -> None:
         self._observer.on_auction(self.index, auction, now)
+
+    def on_auction_result(self, result: AuctionResult) -> None:
+        self._observer.on_auction_result(self.index, result)
 
     def _on_goal_end(self, goal_id: int, reached: bool, text: str) -> None:
         outcome = messages.REACHED if reached else messages.FAILED

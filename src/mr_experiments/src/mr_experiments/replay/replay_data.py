@@ -8,8 +8,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from mr_grid import Pose
 from mr_measures.record.mission_record import MissionRecord, Note
-from mr_measures.record.robot_record import Merge, RobotRecord
+from mr_measures.record.robot_record import Merge, Offer, RobotRecord
 from mr_measures.record.series import RobotSeries, TeamSeries
 from mr_page.watch import REFUSED
 
@@ -72,8 +73,24 @@ def goals(robot: RobotRecord) -> list[dict[str, Any]]:
 
 
 def auctions(robot: RobotRecord) -> list[dict[str, Any]]:
-    """Auctions that a robot opened: time "at", "id" and number of "clusters"."""
-    return [{"at": _moment(one.at), "id": one.id, "clusters": one.clusters} for one in robot.auctions]
+    """Auctions that a robot opened: time "at", "id" and number of "clusters"; what came of them as "offers" (x, y in
+    the world frame, {robot: bid}, robot that explored it or empty) with bids in "unit"."""
+    return [
+        {
+            "at": _moment(one.at),
+            "id": one.id,
+            "clusters": one.clusters,
+            "unit": one.unit,
+            "offers": [_offer(offer, robot.start) for offer in one.offers],
+        }
+        for one in robot.auctions
+    ]
+
+
+def _offer(offer: Offer, start: Pose) -> list[Any]:
+    x, y = start.apply_point(offer.x, offer.y)
+    bids = {name: _round(bid, 2) for name, bid in offer.bids.items()}
+    return [_round(x, 2), _round(y, 2), bids, offer.explored_by]
 
 
 def merges(robots: Robots) -> list[dict[str, Any]]:

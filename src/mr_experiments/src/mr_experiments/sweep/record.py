@@ -134,7 +134,7 @@ def _robot_part(mission: Mission, robot: Robot) -> RobotRecord:
             "unreachable_frontiers": agent.mission.unreachable_count(),
         },
         goals=tuple(log.goals.goals),
-        auctions=tuple(log.auctions),
+        auctions=tuple(log.auctions.auctions),
         merges=tuple(recorder.merges.entries[robot.name]),
         series=log.series,
     )

@@ -1,11 +1,12 @@
-"""Lists that grow while a mission runs, in every host: the goals of one robot, and notes."""
+"""Lists that grow while a mission runs, in every host: goals and auctions of one robot, and notes."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from mr_measures.record.mission_record import Note
-from mr_measures.record.robot_record import Goal
+from mr_measures.record.robot_record import Auction, Goal, Offer
 
 REACHED, FAILED, REPLACED, CANCELLED = "reached", "failed", "replaced", "cancelled"
 MOST_NOTES = 500
@@ -26,6 +27,22 @@ class GoalLog:
         if self.goals and self.goals[-1].end is None:
             kept = text if outcome == FAILED else ""
             self.goals[-1] = replace(self.goals[-1], end=at, outcome=outcome, text=kept)
+
+
+class AuctionLog:
+    """Of one robot."""
+
+    def __init__(self) -> None:
+        self.auctions: list[Auction] = []
+
+    def begin(self, auction: Auction) -> None:
+        self.auctions.append(auction)
+
+    def end(self, number: int, unit: int, offers: Iterable[Offer]) -> None:
+        """What came of the latest auction of this number, if there is one."""
+        latest = max((i for i, auction in enumerate(self.auctions) if auction.id == number), default=None)
+        if latest is not None:
+            self.auctions[latest] = replace(self.auctions[latest], unit=unit, offers=tuple(offers))
 
 
 class NoteLog:

@@ -53,12 +53,26 @@ class Goal:
 
 
 @dataclass(frozen=True)
+class Offer:
+    """A cluster of frontiers: its middle in the map frame of the robot that offers it, {robot: bid} of those with a
+    finite one, and the robot that explored it when the auction was over, empty: none."""
+
+    x: float
+    y: float
+    bids: Mapping[str, float]
+    explored_by: Annotated[str, SPARSE] = ""
+
+
+@dataclass(frozen=True)
 class Auction:
-    """One that the robot opened, on so many clusters of frontiers."""
+    """One that the robot opened, on so many clusters of frontiers. `offers`: what came of it, where that is known, with
+    bids in `unit` (1: m^2, else the number of the strategy whose bids they are)."""
 
     at: float
     id: int | None = None
     clusters: int = 0
+    unit: Annotated[int, SPARSE] = 0
+    offers: Annotated[tuple[Offer, ...], SPARSE] = ()
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,9 @@
 // The panels of a running team beside its map. Each has a title and fills itself when it is shown.
 
+import { LastAuctions, bidLine } from "./auctions.js";
 import { Chart } from "./chart.js";
 import { byId, button, bytes, clock, fixed, kilobits, make, setText } from "./dom.js";
+import { Filled, swatch } from "./elements.js";
 import { EventList } from "./event_list.js";
 
 /** Shows one panel at a time. */
@@ -33,27 +35,6 @@ export class Tabs {
 
 /** The robots that a view is about: all, or the one whose map is shown. */
 const about = (live, view) => (view < 0 ? live.robots : [live.robots[view]]).filter((robot) => robot?.told);
-
-/** Puts lists of elements in place only when `key` is another. */
-class Filled {
-  constructor(element) {
-    this._element = element;
-    this._key = "";
-  }
-
-  fill(key, elements) {
-    const text = JSON.stringify(key);
-    if (text === this._key) return;
-    this._key = text;
-    this._element.replaceChildren(...elements());
-  }
-}
-
-function swatch(theme, index) {
-  const element = make("span", undefined, "swatch");
-  element.style.background = theme.colour(Math.max(0, index));
-  return element;
-}
 
 function table(heads, rows) {
   const element = make("table"), head = make("tr"), body = make("tbody"), top = make("thead");
@@ -108,46 +89,19 @@ export class ChoicePanel {
     const list = make("ol", undefined, "list"), auctions = make("div");
     this.element.append(auctions, list);
     this._filled = new Filled(list);
-    this._auctions = new Filled(auctions);
-    this._unfolded = new Map(); // by robot, what somebody has unfolded or folded
+    this._auctions = new LastAuctions(auctions, theme);
     this._theme = theme;
   }
 
   fill(live, view) {
-    this._fillAuctions(live, about(live, view).filter(({ values }) => values.auction?.offers.length));
+    const held = about(live, view).filter(({ values }) => values.auction?.offers.length);
+    this._auctions.fill(held.map(({ name, values }) => [name, values.auction]), (name) => live.number(name));
     const all = about(live, view).flatMap((robot) => robot.stream("choices").slice(-30).map((item) => ({ robot, item })));
     all.sort((a, b) => b.item[0] - a.item[0]);
     const newest = all.slice(0, 40);
     this._filled.fill([this._theme.dark, newest.map(({ robot, item }) => [robot.name, item[0]])], () => (
       newest.length ? newest.map((one) => this._line(live, one)) : [make("li", "No goal has been chosen yet.", "hint")]
     ));
-  }
-
-  _fillAuctions(live, robots) {
-    const told = robots.map(({ name, values }) => [name, values.auction]);
-    this._auctions.fill([this._theme.dark, told], () => [
-      ...told.map(([name, auction]) => this._auction(live, name, auction, told.length === 1)),
-      ...(told.length ? [make("p", "Bold: the bid of who explores it. The lowest bid may lose: all are weighed together.", "hint")] : []),
-    ]);
-  }
-
-  /** The last auction that a robot has held, folded to one line where there are several robots. */
-  _auction(live, name, { offers, unit }, alone) {
-    const box = make("details"), head = make("summary"), list = make("ul", undefined, "list");
-    const own = offers.find(([, , , by]) => by === name), count = `${offers.length} cluster${offers.length === 1 ? "" : "s"}`;
-    const got = own ? `it took (${fixed(own[0], 1)}, ${fixed(own[1], 1)})` : "none was for it";
-    head.append(swatch(this._theme, live.number(name)), `Last auction of ${name}: ${count}, ${got}`);
-    for (const [x, y, bids, by] of offers) {
-      const item = make("li"), text = make("div");
-      text.append(`(${fixed(x, 1)}, ${fixed(y, 1)}): ${by ? `explored by ${by}` : "explored by nobody yet"}`, bidLine(bids, unit, by));
-      item.append(swatch(this._theme, live.number(by)), text);
-      if (!by) item.firstChild.style.background = "none";
-      list.append(item);
-    }
-    box.open = this._unfolded.get(name) ?? alone;
-    head.addEventListener("click", () => this._unfolded.set(name, !box.open));
-    box.append(head, list);
-    return box;
   }
 
   _line(live, { robot, item: [time, x, y, reason, bids, unit] }) {
@@ -157,16 +111,6 @@ export class ChoicePanel {
     item.append(make("time", clock(time - live.begin)), swatch(this._theme, live.number(robot.name)), text);
     return item;
   }
-}
-
-/** Bids in small print, that of the robot `winner` in bold. */
-function bidLine(bids, unit, winner) {
-  const line = make("div", "bids: ", "hint");
-  Object.entries(bids).forEach(([name, bid], i) => {
-    const told = `${name} ${bid === null ? "∞" : fixed(bid, 1)}${unit === 1 ? " m²" : ""}`;
-    line.append(i ? " · " : "", name === winner ? make("b", told) : told);
-  });
-  return line;
 }
 
 /** Whose map is placed in whose, or why not. */

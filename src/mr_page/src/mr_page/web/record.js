@@ -74,6 +74,11 @@ export class Record {
     return number === null ? "–" : data.states[number] ?? String(number);
   }
 
+  /** The last auction that a robot had begun by then and of which it is known what came of it; undefined: none. */
+  lastAuction(robot, time) {
+    return robot.auctions.slice(0, indexAt(robot.auctionTimes, time) + 1).findLast(({ offers }) => offers.length);
+  }
+
   _robot(robot, index, time, length) {
     const { series } = robot, goal = goalAt(robot, time, this.data.end);
     return {

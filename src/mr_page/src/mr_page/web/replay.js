@@ -1,5 +1,6 @@
 // The page of a recorded mission: plays a Record.
 
+import { LastAuctions } from "./auctions.js";
 import { Chart } from "./chart.js";
 import { bytes, byId, clock, make, setText } from "./dom.js";
 import { EventList } from "./event_list.js";
@@ -35,6 +36,7 @@ const map = new MapView(theme, LAYERS, () => redraw());
 const marks = new TimeLine(theme, seek);
 const chart = new Chart(byId("chart"), theme, "m²", seek);
 const table = new RobotTable(theme, COLUMNS, (index) => choose(view === index ? -1 : index));
+const auctions = new LastAuctions(byId("auctions"), theme);
 const events = new EventList(Infinity, (event) => seek(event.at));
 
 function paintChart() {
@@ -78,6 +80,12 @@ function fillTable() {
   table.fill(rows, view);
 }
 
+function fillAuctions() {
+  const shown = view < 0 ? data.robots : [data.robots[view]];
+  const held = shown.map((robot) => [robot.name, record.lastAuction(robot, playback.time)]).filter(([, auction]) => auction);
+  auctions.fill(held, (name) => data.robots.findIndex((robot) => robot.name === name));
+}
+
 let waiting = false;
 function redraw() {
   if (waiting) return;
@@ -93,6 +101,7 @@ function frame(now) {
   marks.draw(span, data.events, data.robots.map((robot) => robot.auctionTimes));
   drawChart();
   fillTable();
+  fillAuctions();
   events.mark(data.events.findLastIndex((event) => event.at <= time + 1e-6));
   if (again) redraw();
 }
@@ -134,6 +143,7 @@ function fillHead() {
   byId("traceback").textContent = data.outcome.traceback;
   byId("notes").append(...data.notes.map((note) => make("li", note)));
   for (const [name, value] of Object.entries(data.trial)) byId("trial").append(make("dt", name), make("dd", String(value)));
+  byId("auctionbox").hidden = !data.robots.some((robot) => robot.auctions.some(({ offers }) => offers.length));
   events.add(data.events, 0);
   if (!data.events.length) byId("events").append(make("li", "none recorded"));
 }
