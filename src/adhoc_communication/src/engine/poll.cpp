@@ -21,24 +21,25 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
     presence_.send_beacon(now);
   }
   announce_changes(now);
-  expire_sends(now);
+  outgoing_.expire(now);
   for (const MacAddress& neighbor : hops_.expire(now)) {
-    link_lost(neighbor, now);
-    ask_in_doubt(neighbor, now);
+    links_.lost(neighbor, now);
+    presence_.ask_in_doubt(neighbor, now);
   }
-  for (const transport::Undelivered& packet : streams_.serve(now)) finish(packet.id, false, packet.reason, now);
+  for (const transport::Undelivered& packet : streams_.serve(now))
+    outgoing_.finish(packet.id, false, packet.reason, now);
   receivers_.acknowledge(now);
   router_.poll(now);
   fail_unreachable(now);
   forwarder_.release(now);
   distributor_.poll(now);
   groups_.take_member_ends();
-  settle_groups(now);
-  take_group_packets(now);
+  outgoing_.settle(now);
+  incoming_.take_group_packets(now);
   flood_.poll(now);
-  finish_floods();
+  outgoing_.settle_floods();
   hops_.acknowledge(now);
-  for (const SendId id : schedule_.pump(now)) finish(id, true, {}, now);
+  for (const SendId id : schedule_.pump(now)) outgoing_.finish(id, true, {}, now);
   hops_.settle();
   receivers_.settle();
   next_poll_ = next_due();
@@ -48,15 +49,15 @@ std::vector<Frame> Engine::Implementation::poll(Time now) {
 Time Engine::Implementation::next_due() const {
   if (touched_ || streams_.has_news()) return now_;
   return std::min({rhythm_.due(), router_.next_deadline(), flood_.next_deadline(), distributor_.next_deadline(),
-                   sends_.next_deadline(), hops_.next_deadline(now_), receivers_.next_deadline(),
+                   outgoing_.next_deadline(), hops_.next_deadline(now_), receivers_.next_deadline(),
                    streams_.next_deadline(), schedule_.next_deadline(now_)});
 }
 
 /// What has to be looked at a few times a second; rides on the beacons, so that an idle engine has one timer.
 void Engine::Implementation::maintain(Time now) {
-  for (const MacAddress& neighbor : neighbors_.newly_silent(now)) link_lost(neighbor, now);
+  for (const MacAddress& neighbor : neighbors_.newly_silent(now)) links_.lost(neighbor, now);
   for (const MacAddress& neighbor : neighbors_.remove_silent(routing::RobotDirectory::kSilence, now)) {
-    link_lost(neighbor, now);
+    links_.lost(neighbor, now);
     hops_.forget(neighbor);
   }
   hops_.maintain(now);
@@ -69,28 +70,22 @@ void Engine::Implementation::maintain(Time now) {
   receivers_.expire(now);
   distributor_.expire(now);
   groups_.expire(now);
-  settle_groups(now);
+  outgoing_.settle(now);
 }
 
 void Engine::Implementation::announce_changes(Time now) {
-  for (const std::string& name : directory_.take_taken_names()) report(NameTaken{name});
+  for (const std::string& name : directory_.take_taken_names()) events_.add(NameTaken{name});
   for (const routing::DirectoryChange& change : directory_.take_changes()) {
     rhythm_.happened(now);
     if (change.appeared) {
-      report(RobotAppeared{change.robot});
+      events_.add(RobotAppeared{change.robot});
       groups_.appeared(change.robot, change.boot, now);
     } else {
-      report(RobotLost{change.robot});
+      events_.add(RobotLost{change.robot});
       groups_.lost(change.robot, change.boot, now);
     }
-    settle_groups(now);
+    outgoing_.settle(now);
   }
-}
-
-/// Frames to the neighbour go unanswered, it fell silent, or it has restarted.
-void Engine::Implementation::link_lost(const MacAddress& neighbor, Time now) {
-  forwarder_.link_lost(neighbor, now);
-  distributor_.link_lost(neighbor, now);
 }
 
 void Engine::Implementation::fail_unreachable(Time now) {
@@ -108,8 +103,13 @@ void Engine::Implementation::fail_unreachable(Time now) {
                                    ? "no route to " + name + " after " + seconds_text(failure.elapsed)
                                    : "no route to " + name + ": too many searches at once";
     distributor_.unreachable(failure.target.address, reason, false, now);
-    for (const SendId id : streams_.abandon(name, now)) finish(id, false, reason, now);
+    for (const SendId id : streams_.abandon(name, now)) outgoing_.finish(id, false, reason, now);
   }
+}
+
+std::vector<Record> Engine::Implementation::take_records() {
+  statistics_.records_lost = journal_.lost();
+  return journal_.take();
 }
 
 }  // namespace adhoc_communication

@@ -13,21 +13,13 @@ EngineOptions Engine::Implementation::options() const {
 
 /// Takes over what belongs to the host rather than to the run.
 void Engine::Implementation::succeed(Implementation& former, Time now) {
-  former.end("the interface has changed", now);
+  former.outgoing_.end("the interface has changed", now);
+  for (const std::string& robot : former.directory_.names()) former.events_.add(RobotLost{robot});
   events_ = std::move(former.events_);
   journal_ = std::move(former.journal_);
   statistics_ = former.statistics_;
-  sends_.succeed(former.sends_);
+  outgoing_.succeed(former.outgoing_);
   groups_.succeed(former.groups_);
-}
-
-/// Everything that the host waits for, and all robots.
-void Engine::Implementation::end(const std::string& reason, Time now) {
-  while (const auto id = sends_.first()) finish(*id, false, reason, now);
-  for (const SendId id : flood_.take_waiting()) report(SendFinished{id, false, reason, false});
-  groups_.end(reason);
-  settle_groups(now);
-  for (const std::string& robot : directory_.names()) report(RobotLost{robot});
 }
 
 void Engine::Implementation::set_keys(std::vector<TeamKey> keys) {

@@ -41,9 +41,7 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
       transmitter_(self_, guard_, air_, rhythm_, statistics_),
       hops_(self_, options_, neighbors_, directory_, air_, transmitter_, journal_, statistics_),
       router_(self_, options_, neighbors_, runs_, directory_, hops_, random_, journal_, now),
-      presence_(self_, options_, neighbors_, directory_, router_, rhythm_, hops_, now),
-      broadcast_segment_size_(room(options_, wire::kBroadcastDataHeaderSize)),
-      longest_flood_(room(options_, 0)),
+      presence_(self_, options_, neighbors_, runs_, directory_, router_, rhythm_, hops_, now),
       reassembly_(options_.max_packet_size),
       streams_(self_, options_, directory_, router_, hops_, random_, journal_, room(options_, wire::kDataHeaderSize)),
       receivers_(self_, options_.max_packet_size, router_, hops_, reassembly_),
@@ -55,7 +53,19 @@ Engine::Implementation::Implementation(EngineOptions options, MacAddress address
                    room(options_, wire::kGroupDataHeaderSize)),
       groups_(self_, room_for_members(options_), options_.join_groups_automatically, directory_, router_, distributor_),
       schedule_(air_, transmitter_, hops_, streams_, broadcasts_, distributor_, statistics_),
-      sends_(self_.name, options_.max_packet_size),
+      links_(forwarder_, distributor_),
+      outgoing_(self_, options_.max_packet_size, room(options_, wire::kBroadcastDataHeaderSize), room(options_, 0),
+                {streams_, broadcasts_, flood_, groups_}, events_, statistics_),
+      incoming_(options_.max_packet_size, directory_, router_,
+                {receivers_, broadcast_receiver_, distributor_, groups_, reassembly_}, outgoing_, events_, statistics_),
+      reception_(
+          options_.loss_ratio,
+          {self_,     guard_,    random_,    rhythm_,    admission_, neighbors_,          runs_,  directory_,   hops_,
+           router_,   presence_, streams_,   forwarder_, links_,     broadcast_receiver_, flood_, distributor_, groups_,
+           incoming_, outgoing_, statistics_}),
+      introspection_({options_.max_packet_size, self_, guard_, neighbors_, runs_, directory_, router_, hops_,
+                      reassembly_, streams_, receivers_, broadcast_receiver_, flood_, distributor_, groups_,
+                      outgoing_.sends(), events_}),
       now_(now) {
   security::wipe(options_.keys);
 }

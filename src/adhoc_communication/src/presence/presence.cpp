@@ -56,6 +56,10 @@ void Presence::ask(const MacAddress& neighbor, Time now) {
   hops_.unicast(neighbor, wire::FrameType::kBeacon, to_bytes(beacon));
 }
 
+void Presence::ask_in_doubt(const MacAddress& neighbor, Time now) {
+  if (runs_.wants_answer(neighbor, neighbors_.two_way(neighbor, now), now)) ask(neighbor, now);
+}
+
 void Presence::on_beacon(const MacAddress& from, wire::BootTag boot, const wire::Beacon& beacon, Time now) {
   neighbors_.beacon(from, beacon, wire::neighbor_tag(self_.boot), now);
   const bool good = neighbors_.two_way(from, now) && neighbors_.loss(from) <= routing::Neighbors::kBadLoss;

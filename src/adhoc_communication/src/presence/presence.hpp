@@ -9,12 +9,13 @@ namespace adhoc_communication::presence {
 
 class Presence {
  public:
-  Presence(const Identity& self, const EngineOptions& options, routing::Neighbors& neighbors,
+  Presence(const Identity& self, const EngineOptions& options, routing::Neighbors& neighbors, routing::LivingRuns& runs,
            routing::RobotDirectory& directory, routing::Router& router, BeaconRhythm& rhythm, transport::Hops& hops,
            Time now)
       : self_(self),
         options_(options),
         neighbors_(neighbors),
+        runs_(runs),
         directory_(directory),
         router_(router),
         rhythm_(rhythm),
@@ -27,6 +28,8 @@ class Presence {
   void probe_doubtful(Time now);
   /// The same of one neighbour, unless frames to it await an answer already.
   void ask(const MacAddress& neighbor, Time now);
+  /// Where another run may live at the neighbour's address than the one that is known.
+  void ask_in_doubt(const MacAddress& neighbor, Time now);
 
  private:
   wire::Beacon plain_beacon(Time now) const;
@@ -34,6 +37,7 @@ class Presence {
   const Identity& self_;
   const EngineOptions& options_;
   routing::Neighbors& neighbors_;
+  routing::LivingRuns& runs_;
   routing::RobotDirectory& directory_;
   routing::Router& router_;
   BeaconRhythm& rhythm_;

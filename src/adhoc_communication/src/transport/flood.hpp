@@ -18,8 +18,9 @@ namespace adhoc_communication::transport {
 class FloodRelay {
  public:
   static constexpr std::size_t kMostSeen = 1024;
-  static constexpr std::size_t kMostPending = 256;  ///< further floods are not passed on
-  static constexpr std::size_t kMostWaiting = 64;   ///< own ones; further ones are refused
+  static constexpr std::size_t kMostUnpacked = 64'000;  ///< octets of one; of a robot's words on groups, too
+  static constexpr std::size_t kMostPending = 256;      ///< further floods are not passed on
+  static constexpr std::size_t kMostWaiting = 64;       ///< own ones; further ones are refused
   static constexpr Time kJitter = std::chrono::milliseconds(10);
 
   FloodRelay(Outbox& outbox, Random& random) : outbox_(outbox), random_(random) {}

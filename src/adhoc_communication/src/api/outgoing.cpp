@@ -1,8 +1,6 @@
-// Packets of the host and letters of groups, from their start to their end.
-#include <cstdio>
+#include "api/outgoing.hpp"
 
-#include "engine/implementation.hpp"
-#include "routing/names.hpp"
+#include <cstdio>
 
 namespace adhoc_communication {
 
@@ -21,15 +19,14 @@ std::string not_delivered(const std::string& missed, Time lifetime) {
 
 }  // namespace
 
-SendId Engine::Implementation::refuse(std::string reason) {
+SendId Outgoing::refuse(std::string reason) {
   const SendId id = sends_.take_id();
   ++statistics_.packets_failed;
-  report(SendFinished{id, false, std::move(reason), false});
+  events_.add(SendFinished{id, false, std::move(reason), false});
   return id;
 }
 
-SendId Engine::Implementation::send(SendRequest request, Time now) {
-  touch(now);
+SendId Outgoing::send(SendRequest request, Time now) {
   if (std::string reason = sends_.refusal(request); !reason.empty()) return refuse(std::move(reason));
   transport::Packet packet;
   packet.payload_type = request.payload_type;
@@ -48,32 +45,32 @@ SendId Engine::Implementation::send(SendRequest request, Time now) {
   return id;
 }
 
-void Engine::Implementation::start(SendId id, const Image& image, Time now) {
+void Outgoing::start(SendId id, const Image& image, Time now) {
   const Sending& sending = sends_.at(id);
   if (multicast::root_of(sending.destination) && sending.purpose == Purpose::kHost) {
     groups_.send(id, sending.destination, image, sending.priority, sending.lifetime, now);
-    settle_groups(now);
+    settle(now);
   } else if (!sending.destination.empty()) {
     streams_.add(id, sending.destination, image, sending.priority, now);
   } else {
-    broadcasts_[static_cast<std::size_t>(sending.priority)].add(id, image, broadcast_segment_size_);
+    broadcasts_[static_cast<std::size_t>(sending.priority)].add(id, image, segment_size_);
   }
 }
 
 /// True when the packet has got the place of the former one of its subject in whatever queue that waits.
-bool Engine::Implementation::take_place(SendId id, const std::string& topic, const Image& image, Time now) {
+bool Outgoing::take_place(SendId id, const std::string& topic, const Image& image, Time now) {
   const auto former = sends_.make_newest(id, topic);
   if (!former || !replace(*former, id, image, now)) return false;
   finish(*former, false, "a newer packet for topic '" + topic + "' has taken its place", now, true);
   return true;
 }
 
-bool Engine::Implementation::replace(SendId former, SendId id, const Image& image, Time now) {
+bool Outgoing::replace(SendId former, SendId id, const Image& image, Time now) {
   const Sending& waiting = sends_.at(former);
   const Sending& next = sends_.at(id);
   if (waiting.priority != next.priority) return false;
   if (waiting.destination.empty()) {
-    return broadcasts_[static_cast<std::size_t>(next.priority)].replace(former, id, image, broadcast_segment_size_);
+    return broadcasts_[static_cast<std::size_t>(next.priority)].replace(former, id, image, segment_size_);
   }
   if (multicast::root_of(waiting.destination)) {
     return groups_.replace(former, id, waiting.destination, image, next.lifetime, now);
@@ -81,13 +78,13 @@ bool Engine::Implementation::replace(SendId former, SendId id, const Image& imag
   return streams_.replace(waiting.destination, waiting.priority, former, id, image, now);
 }
 
-SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
-  touch(now);
+SendId Outgoing::broadcast(BroadcastRequest request, Time now) {
   if (request.topic.empty()) return refuse("the topic is empty");
   if (request.lifetime < Time(0)) return refuse("the lifetime is negative");
-  if (request.unpacked_size > kMostFloodOctets) {
+  if (request.unpacked_size > transport::FloodRelay::kMostUnpacked) {
     return refuse("packet of " + std::to_string(request.unpacked_size) +
-                  " octets is more than a flood may unpack to, which is " + std::to_string(kMostFloodOctets));
+                  " octets is more than a flood may unpack to, which is " +
+                  std::to_string(transport::FloodRelay::kMostUnpacked));
   }
   wire::Flood flood;
   flood.source = self_.address;
@@ -107,46 +104,46 @@ SendId Engine::Implementation::broadcast(BroadcastRequest request, Time now) {
     return refuse("packet of " + std::to_string(body.size()) +
                   " octets does not fit the one frame of a flood, which takes " + std::to_string(longest_flood_));
   }
-  if (!flood_.originate(sends_.next_id(), std::move(body), request.lifetime, now)) {
+  if (!floods_.originate(sends_.next_id(), std::move(body), request.lifetime, now)) {
     return refuse(std::to_string(transport::FloodRelay::kMostWaiting) + " broadcasts wait for the air already");
   }
   return sends_.take_id();
 }
 
-void Engine::Implementation::finish_floods() {
-  for (const SendId id : flood_.take_sent()) {
+void Outgoing::settle_floods() {
+  for (const SendId id : floods_.take_sent()) {
     ++statistics_.packets_sent;
-    report(SendFinished{id, true, {}, false});
+    events_.add(SendFinished{id, true, {}, false});
   }
-  for (const auto& [id, lifetime] : flood_.take_overdue()) {
+  for (const auto& [id, lifetime] : floods_.take_overdue()) {
     ++statistics_.packets_failed;
-    report(SendFinished{id, false, not_delivered({}, lifetime), false});
+    events_.add(SendFinished{id, false, not_delivered({}, lifetime), false});
   }
 }
 
-void Engine::Implementation::finish(SendId id, bool delivered, const std::string& reason, Time now, bool superseded) {
+void Outgoing::finish(SendId id, bool delivered, const std::string& reason, Time now, bool superseded) {
   const std::optional<Sending> sending = sends_.end(id);
   if (!sending) return;
   if (sending->purpose != Purpose::kHost) {
     groups_.ended(*sending, delivered, reason, now);
-    return settle_groups(now);
+    return settle(now);
   }
   if (!superseded) ++(delivered ? statistics_.packets_sent : statistics_.packets_failed);
-  report(SendFinished{id, delivered, reason, superseded});
+  events_.add(SendFinished{id, delivered, reason, superseded});
 }
 
-void Engine::Implementation::finish(const multicast::GroupSendEnd& end) {
+void Outgoing::finish(const multicast::GroupSendEnd& end) {
   if (!sends_.end(end.id)) return;
   ++(end.delivered ? statistics_.packets_sent : statistics_.packets_failed);
-  report(SendFinished{end.id, end.delivered, end.reason, false, end.missed});
+  events_.add(SendFinished{end.id, end.delivered, end.reason, false, end.missed});
 }
 
-void Engine::Implementation::expire_sends(Time now) {
+void Outgoing::expire(Time now) {
   for (const SendId id : sends_.overdue(now)) cancel(id, now);
 }
 
 /// What of it is in the hands of the hops still goes out.
-void Engine::Implementation::cancel(SendId id, Time now) {
+void Outgoing::cancel(SendId id, Time now) {
   const Sending sending = sends_.at(id);
   std::string missed;
   if (sending.destination.empty()) {
@@ -160,7 +157,7 @@ void Engine::Implementation::cancel(SendId id, Time now) {
 }
 
 /// Tells which members it has not reached.
-std::string Engine::Implementation::cancel_group_send(SendId id, Time now) {
+std::string Outgoing::cancel_group_send(SendId id, Time now) {
   std::vector<std::string> missed = groups_.cancel(id, sends_.at(id).destination);
   for (const SendId part : sends_.parts_of(id)) {
     const Sending sending = sends_.at(part);
@@ -173,26 +170,29 @@ std::string Engine::Implementation::cancel_group_send(SendId id, Time now) {
   return text;
 }
 
-// --- groups ----------------------------------------------------------------------------------------------------------
-
-void Engine::Implementation::join_group(const std::string& group, Time now) {
-  touch(now);
+void Outgoing::join(const std::string& group, Time now) {
   groups_.join(group);
-  settle_groups(now);
+  settle(now);
 }
 
-void Engine::Implementation::leave_group(const std::string& group, Time now) {
-  touch(now);
+void Outgoing::leave(const std::string& group, Time now) {
   groups_.leave(group);
-  settle_groups(now);
+  settle(now);
 }
 
-void Engine::Implementation::settle_groups(Time now) {
+void Outgoing::settle(Time now) {
   for (multicast::Letter& letter : groups_.take_letters()) {
     start(sends_.begin(std::move(letter.sending), now), letter.image, now);
   }
   for (const multicast::GroupSendEnd& end : groups_.take_ends()) finish(end);
-  for (GroupChangeFinished& change : groups_.take_changes()) report(std::move(change));
+  for (GroupChangeFinished& change : groups_.take_changes()) events_.add(std::move(change));
+}
+
+void Outgoing::end(const std::string& reason, Time now) {
+  while (const auto id = sends_.first()) finish(*id, false, reason, now);
+  for (const SendId id : floods_.take_waiting()) events_.add(SendFinished{id, false, reason, false});
+  groups_.end(reason);
+  settle(now);
 }
 
 }  // namespace adhoc_communication
