@@ -19,13 +19,26 @@ class Engine::Implementation {
  public:
   Implementation(EngineOptions options, MacAddress address, BootId boot_id, std::uint64_t seed, Time now);
 
-  void receive(const Frame& frame, Time now) { touched(now), reception_.receive(frame, now); }
-  SendId send(SendRequest request, Time now) { return touched(now), outgoing_.send(std::move(request), now); }
-  SendId broadcast(BroadcastRequest request, Time now) {
-    return touched(now), outgoing_.broadcast(std::move(request), now);
+  void receive(const Frame& frame, Time now) {
+    touched(now);
+    reception_.receive(frame, now);
   }
-  void join_group(const std::string& group, Time now) { touched(now), outgoing_.join(group, now); }
-  void leave_group(const std::string& group, Time now) { touched(now), outgoing_.leave(group, now); }
+  SendId send(SendRequest request, Time now) {
+    touched(now);
+    return outgoing_.send(std::move(request), now);
+  }
+  SendId broadcast(BroadcastRequest request, Time now) {
+    touched(now);
+    return outgoing_.broadcast(std::move(request), now);
+  }
+  void join_group(const std::string& group, Time now) {
+    touched(now);
+    outgoing_.join(group, now);
+  }
+  void leave_group(const std::string& group, Time now) {
+    touched(now);
+    outgoing_.leave(group, now);
+  }
   std::vector<Frame> poll(Time now);
   void handed_over(bool kept) { air_.handed_over(kept); }
   /// Between two polls it changes by a call of the host only.
