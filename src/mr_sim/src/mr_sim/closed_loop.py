@@ -1,47 +1,87 @@
-"""World, SLAM and navigation engines closed to a loop in one process and in virtual time, for goals that a test or a
-benchmark sets. Teams that explore run in `mr_experiments.host.mission`."""
+"""World and bodies closed to a loop in one process and in virtual time, for goals that a test or a benchmark sets.
+Teams that explore run in `mr_experiments.host.mission`."""
 
+import itertools
 import math
 import time
-from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Optional, Tuple, Union
+from contextlib import contextmanager
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
 from mr_grid import OccupancyGrid, Pose, normalized
-from mr_robot.navigation.engine import Command, Navigator, Status
+from mr_robot.navigation.engine import Navigator
+from mr_robot.navigation.options import NavigationOptions
 from mr_robot.platforms.engines import navigation_options, slam_options
 from mr_robot.platforms.parameters import kinds_of
-from mr_robot.slam.engine import LaserScan, Slam
-from mr_sim.control_cycle import ControlCycle
+from mr_robot.slam.engine import Slam, SlamOptions
+from mr_sim.body import Body
 from mr_sim.simulated_platform import platform_of
 from mr_sim.world import World
-from mr_sim.world_description import WorldDescription
+from mr_sim.world_description import RangerDescription, WorldDescription
 from mr_sim.world_model import load_world
 from mr_sim.worlds import find_world
 
-MAP_PERIOD = 2.0  # s between maps handed to navigation
+SUCCEEDED = "succeeded"
+POSITIONS_PERIOD = 2.0  # s between positions of the others
 
 
-@dataclass
 class Robot:
-    index: int
-    start: Pose
-    slam: Slam
-    navigator: Navigator
-    cycle: ControlCycle
-    drift: List[float] = field(default_factory=list)
-    turn_drift: List[float] = field(default_factory=list)
-    contacts: int = 0
-    command: Optional[Command] = None
-    results: List[Tuple[float, str]] = field(default_factory=list)
-    navigation_cpu: float = 0.0  # s
-    map_at: float = -math.inf
-    grid: Optional[OccupancyGrid] = None
+    """A body, how its goals ended, and how far it is from the truth."""
+
+    def __init__(
+        self, index: int, name: str, start: Pose, ranger: RangerDescription, slam: SlamOptions,
+        navigation: NavigationOptions, seed: int,
+    ) -> None:  # fmt: skip
+        self.index, self.start = index, start
+        self.drift: List[float] = []  # m, with each scan
+        self.turn_drift: List[float] = []  # rad
+        self.contacts = 0  # steps of the world
+        self.velocities = (0.0, 0.0)  # m/s, rad/s
+        self.results: List[Tuple[float, str]] = []  # s, SUCCEEDED or why not
+        self.navigation_cpu = 0.0  # s
+        self.grid: Optional[OccupancyGrid] = None
+        self.positions_at = -math.inf  # s, those of the others
+        self.body = Body(name, ranger, slam, navigation, seed, self._measured)
+        self.body.on_goal_end = self._on_goal_end
+        self._goals = itertools.count()
+        self._now = 0.0
+
+    @property
+    def slam(self) -> Slam:
+        return self.body.slam
+
+    @property
+    def navigator(self) -> Navigator:
+        return self.body.navigator
 
     def local(self, pose: Pose) -> Pose:
         """A pose of the world in the robot's map frame."""
         return self.start.between(pose)
+
+    def set_goal(self, pose: Pose, now: float) -> None:
+        """`pose`: in the robot's map frame."""
+        self._now = now
+        self.body.set_goal(next(self._goals), pose, now)
+
+    def control(self, odometry: Pose, now: float) -> bool:
+        """Whether there are new velocities."""
+        self._now = now
+        velocities = self.body.steer(odometry, now)
+        if velocities is None:
+            return False
+        self.velocities = velocities
+        return True
+
+    def _on_goal_end(self, _: int, reached: bool, text: str) -> None:
+        self.results.append((self._now, SUCCEEDED if reached else text))
+
+    @contextmanager
+    def _measured(self, component: str) -> Iterator[None]:
+        begun = time.process_time()
+        yield
+        if component == "navigation":
+            self.navigation_cpu += time.process_time() - begun
 
 
 class ClosedLoop:
@@ -56,15 +96,11 @@ class ClosedLoop:
         team = kinds_of(platforms)
         self.robots = [
             Robot(
-                i,
-                self.world.pose(i),
-                Slam(slam_options(platform, team)),
-                Navigator(options, name, seed),
-                ControlCycle(description.rangers[description.main_ranger], options.controller_period),
+                i, name, self.world.pose(i), description.rangers[description.main_ranger],
+                slam_options(platform, team), navigation_options(platform, team, **navigation), seed,
             )
             for i, (name, platform, description) in enumerate(zip(self.world.names, platforms, self.world.robots))
-            for options in [navigation_options(platform, team, **navigation)]
-        ]
+        ]  # fmt: skip
         self.on_scan: Optional[Callable[[Robot, Pose], None]] = None
         # The map to plan on, from the own one.
         self.merge: Callable[[Robot, OccupancyGrid], OccupancyGrid] = lambda robot, grid: grid
@@ -85,40 +121,25 @@ class ClosedLoop:
                 self._control(robot, state)
 
     def _locate(self, robot: Robot, state: np.ndarray, ranges: np.ndarray) -> None:
-        description = self.world.robots[robot.index]
-        ranger = description.rangers[description.main_ranger]
         now = self.world.time
-        odometry = _odometry(state)
-        robot.cycle.see(ranges, odometry, now)
-        geometry = (ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount)
-        pose = robot.slam.process(LaserScan(ranges, *geometry), odometry, now).pose
-        if now - robot.map_at >= MAP_PERIOD:
-            robot.map_at = now
-            robot.grid = robot.slam.map()
+        pose = robot.body.locate(robot.body.scan_of(ranges), _odometry(state), now)
+        own = robot.body.new_map(now)
         truth = robot.local(Pose(float(state["x"]), float(state["y"]), float(state["yaw"])))
         robot.drift.append(math.dist(pose[:2], truth[:2]))
         robot.turn_drift.append(abs(normalized(pose[2] - truth[2])))
         if self.on_scan is not None:
             self.on_scan(robot, pose)
-        if robot.map_at == now and robot.grid is not None:
-            begun = time.process_time()
-            robot.navigator.set_own_map(robot.grid, now)
-            robot.navigator.set_map(self.merge(robot, robot.grid))
-            if self.share_positions:
-                robot.navigator.set_others(self._positions(robot), now)
-            robot.navigation_cpu += time.process_time() - begun
+        if own is not None:
+            robot.grid = own
+            robot.body.set_map(self.merge(robot, own))
+        if self.share_positions and now - robot.positions_at >= POSITIONS_PERIOD:
+            robot.positions_at = now
+            robot.body.set_others(self._positions(robot), now)
 
     def _control(self, robot: Robot, state: np.ndarray) -> None:
         """If it is time for it."""
-        now, odometry = self.world.time, _odometry(state)
-        if not robot.cycle.due(now):
-            return
-        begun = time.process_time()
-        robot.command = robot.navigator.step(now, robot.slam.pose_at(odometry), robot.cycle.scan(odometry))
-        robot.navigation_cpu += time.process_time() - begun
-        if robot.command.status in (Status.SUCCEEDED, Status.ABORTED):
-            robot.results.append((now, robot.command.text or "succeeded"))
-        self.world.command(robot.index, robot.command.linear, robot.command.angular)
+        if robot.control(_odometry(state), self.world.time):
+            self.world.command(robot.index, *robot.velocities)
 
     def _positions(self, robot: Robot) -> Dict[str, Tuple[float, float]]:
         return {

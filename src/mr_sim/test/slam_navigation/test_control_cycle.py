@@ -44,7 +44,7 @@ def test_navigation_is_asked_ten_times_a_second(draw_world: Callable[..., str], 
     asked, step = [], loop.robots[0].navigator.step
     loop.robots[0].navigator.step = lambda now, *rest: (asked.append(now), step(now, *rest))[1]  # type: ignore
     loop.run(1.0)
-    loop.robots[0].navigator.set_goal(Pose(3.0, 0.0, 0.0), loop.world.time)
+    loop.robots[0].set_goal(Pose(3.0, 0.0, 0.0), loop.world.time)
     loop.run(2.0)
     assert np.diff(asked) == pytest.approx(0.1)
     speed = math.hypot(*(float(loop.world.states()[0][name]) for name in ("velocity_x", "velocity_y")))

@@ -476,7 +476,7 @@ def test_a_robot_that_stands_along_a_wall_gets_away_from_it(
     loop = ClosedLoop(draw_world((14, 10), [], [(7.013, 0.1 + gap if side > 0 else 9.9 - gap, 0.0)]), 1, seed)
     loop.run(2.5)
     robot = loop.robots[0]
-    robot.navigator.set_goal(Pose(0.0, 4.0 * side, 0.0), loop.world.time)
+    robot.set_goal(Pose(0.0, 4.0 * side, 0.0), loop.world.time)
     start = loop.world.pose(0)
     loop.run(62.5, lambda: abs(loop.world.pose(0)[1] - start[1]) > 1.0)
     assert abs(loop.world.pose(0)[1] - start[1]) > 1.0
@@ -625,7 +625,7 @@ def drive(loop: ClosedLoop, goals: List[Pose], limit: float, since: float = 2.5)
     """Gives every robot its goal (world frame) after `since` and runs until all have ended."""
     loop.run(since)
     for robot, goal in zip(loop.robots, goals):
-        robot.navigator.set_goal(robot.local(goal), loop.world.time)
+        robot.set_goal(robot.local(goal), loop.world.time)
     loop.run(limit, lambda: all(robot.results for robot in loop.robots))
 
 
@@ -665,7 +665,7 @@ def test_random_goals_in_the_office_without_touching_anything() -> None:
         near = (reach.seconds(pose, (x + dx, y + dy)) for dx in around for dy in around if math.hypot(dx, dy) < radius)
         assert math.isfinite(least) or any(map(math.isfinite, near))
         robot.results.clear()
-        robot.navigator.set_goal((*goal, 0.0), begin)
+        robot.set_goal(Pose(*goal, 0.0), begin)
         loop.run(begin + 60.0, lambda: bool(robot.results))
         assert robot.results and robot.results[-1][1] == "succeeded"
         assert loop.world.time - begin < 2.0 * least + 1.0
@@ -704,7 +704,7 @@ def test_way_blocked_by_what_the_map_does_not_know(draw_world: Callable[..., str
     before = OccupancyGrid.of(cells, 0.05, first.grid.origin)
     first.navigator.set_map = lambda grid, set_map=first.navigator.set_map: set_map(before)  # type: ignore[method-assign]
     first.navigator.set_map(before)
-    first.navigator.set_goal(first.local(Pose(6.5, 2.0, 0.0)), loop.world.time)
+    first.set_goal(first.local(Pose(6.5, 2.0, 0.0)), loop.world.time)
     loop.run(80.0, lambda: bool(first.results))
     assert first.results and "not in the map" in first.results[-1][1]
     assert first.contacts == 0

@@ -97,12 +97,12 @@ def test_a_robot_drives_where_its_laser_looks(draw_world: Callable[..., str], de
     driven: List[float] = []
 
     def count(robot: Robot, _: Pose) -> None:
-        driven.append(robot.command.linear if robot.command else 0.0)
+        driven.append(robot.velocities[0])
 
     loop.on_scan = count
     loop.run(1.0)
     robot = loop.robots[0]
-    robot.navigator.set_goal(robot.local(Pose(2.3, 3.2, 0.0)), loop.world.time)
+    robot.set_goal(robot.local(Pose(2.3, 3.2, 0.0)), loop.world.time)
     loop.run(60.0, lambda: bool(robot.results))
     assert robot.results[0][1] == "succeeded" and robot.contacts == 0
     assert (np.sum(driven) > 0.0) == ahead

@@ -14,7 +14,6 @@ from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host import base_station
 from mr_experiments.host.agenda import Agenda
 from mr_experiments.host.base_station import BaseStation
-from mr_experiments.host.body import Body
 from mr_experiments.host.exploring import TICK
 from mr_experiments.host.fast.fast_body import FastBody
 from mr_experiments.host.fast.perfect_radio import PerfectRadio
@@ -29,6 +28,7 @@ from mr_experiments.trial.trial_world import platforms_of, world_of
 from mr_grid import Pose
 from mr_measures.patience import HOME_PATIENCE
 from mr_robot.platforms.parameters import kinds_of
+from mr_sim.body import Body
 from mr_sim.world import World
 
 READY_PATIENCE = 30.0  # s until every robot must have a map and a pose
@@ -89,7 +89,7 @@ class Mission:
         if self.trial.fast:
             body = FastBody(name, starts[name], ranger, navigation, self.world.visible, self._sight, self.stopwatch)
         else:
-            body = Body(name, ranger, slam_options(member), navigation, self.trial.seed, self.stopwatch)
+            body = Body(name, ranger, slam_options(member), navigation, self.trial.seed, self.stopwatch.span)
         return Robot(
             index, starts[name], merger_options(self.trial, name, starts, member),
             exploring, body, self.trial.seed, self.agenda, self.radio,

@@ -13,7 +13,6 @@ from map_merger.messages import Boot
 from map_merger.options import Options as MergerOptions
 from mr_experiments.common.stopwatch import Stopwatch
 from mr_experiments.host.agenda import Agenda
-from mr_experiments.host.body import Body
 from mr_experiments.host.exploring import Explorer
 from mr_experiments.host.fast.fast_body import FastBody
 from mr_experiments.host.fast.perfect_merging import PerfectMerger
@@ -23,6 +22,7 @@ from mr_experiments.host.radio import TeamRadio
 from mr_experiments.host.robot_radio import RobotRadio
 from mr_grid import OccupancyGrid, Pose
 from mr_measures.record.logs import CANCELLED
+from mr_sim.body import Body
 
 STATUS_PERIOD = 1.0  # s between two messages of adhoc_communication/status
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from mr_grid import Pose
-from mr_sim.closed_loop import ClosedLoop, Robot
+from mr_sim.closed_loop import SUCCEEDED, ClosedLoop, Robot
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.scenes import Scene, draw
 from mr_sim.world_model import load_world
@@ -65,7 +65,7 @@ class _Errands:
         seconds = self._loop.world.time - self._since
         if self._robot.results:
             _, text = self._robot.results[-1]
-            self._end(text == "succeeded", seconds, "" if text == "succeeded" else text)
+            self._end(text == SUCCEEDED, seconds, "" if text == SUCCEEDED else text)
         elif seconds > PATIENCE + self._ideal * self._scene.reach.drive.max_linear_velocity / SLOWEST:
             self._end(False, seconds, "")
 
@@ -74,7 +74,7 @@ class _Errands:
         self.runs.append(GoalRun(self._robot.index, goal, reached, seconds, self._ideal, why))
         if not reached:
             self._left.clear()
-        self._robot.navigator.cancel()
+        self._robot.body.cancel()
         self._next()
 
     def _next(self) -> None:
@@ -87,7 +87,7 @@ class _Errands:
             way = math.dist(self._loop.world.pose(self._robot.index)[:2], goal)
             self._ideal = way / self._scene.reach.drive.max_linear_velocity
         self._robot.results.clear()
-        self._robot.navigator.set_goal(self._robot.local(Pose(*goal)), self._loop.world.time)
+        self._robot.set_goal(self._robot.local(Pose(*goal)), self._loop.world.time)
 
 
 def run_seed(seed: int, kind: str = PIONEER) -> SceneRun:

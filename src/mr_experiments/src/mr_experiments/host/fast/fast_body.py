@@ -8,7 +8,6 @@ from typing import Mapping
 import numpy as np
 
 from mr_experiments.common.stopwatch import Stopwatch
-from mr_experiments.host.body import GoalEnd
 from mr_experiments.host.fast.team_sight import TeamSight
 from mr_experiments.host.fast.wheels import Wheels
 from mr_grid import OccupancyGrid, Pose
@@ -19,6 +18,7 @@ from mr_robot.navigation.planner import CostMap, Plan, path, plan
 from mr_robot.platforms.parameters import NARROW_VIEW
 from mr_robot.slam.engine import MAP_UPDATE_INTERVAL
 from mr_sim import _world
+from mr_sim.body import GoalEnd
 from mr_sim.raster import Grid as Raster
 from mr_sim.true_world import occupancy_of
 from mr_sim.world_description import RangerDescription

@@ -1,13 +1,13 @@
-"""SLAM and navigation of one robot in virtual time."""
+"""SLAM and navigation of one simulated robot in virtual time."""
 
 from __future__ import annotations
 
 import math
-from typing import Callable, Mapping
+from contextlib import nullcontext
+from typing import Callable, ContextManager, Mapping
 
 import numpy as np
 
-from mr_experiments.common.stopwatch import Stopwatch
 from mr_grid import OccupancyGrid, Pose
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions
@@ -18,18 +18,21 @@ from mr_sim.world_description import RangerDescription
 GoalEnd = Callable[[int, bool, str], None]
 """Number of a goal, whether it was reached, and why not."""
 
+Span = Callable[[str], ContextManager[None]]
+"""Measures what is done inside, under the name of a component."""
+
 
 class Body:
     """Scans and odometry in; pose, maps and velocity commands out."""
 
     def __init__(
         self, name: str, ranger: RangerDescription, slam: SlamOptions, navigation: NavigationOptions, seed: int,
-        stopwatch: Stopwatch,
+        span: Span = lambda _: nullcontext(),
     ) -> None:  # fmt: skip
         self.slam = Slam(slam)
         self.navigator = Navigator(navigation, name, seed)
         self.pose: Pose | None = None
-        self._stopwatch = stopwatch
+        self._span = span
         self._cycle = ControlCycle(ranger, navigation.controller_period)
         self._geometry = (
             ranger.angle_min, ranger.angle_increment, ranger.range_min, ranger.range_max, ranger.mount,
@@ -46,7 +49,7 @@ class Body:
 
     def locate(self, scan: LaserScan, odometry: Pose, now: float) -> Pose:
         """The robot's pose in its map frame, from a scan."""
-        with self._stopwatch.span("slam"):
+        with self._span("slam"):
             pose = self.slam.process(scan, odometry, now).pose
         self._cycle.see(scan.ranges, odometry, now)
         self.pose = pose
@@ -57,9 +60,9 @@ class Body:
         if now - self._map_at < MAP_UPDATE_INTERVAL or self.slam.revision == self._revision:
             return None
         self._map_at, self._revision = now, self.slam.revision
-        with self._stopwatch.span("slam"):
+        with self._span("slam"):
             own = self.slam.map()
-        with self._stopwatch.span("navigation"):
+        with self._span("navigation"):
             self.navigator.set_own_map(own, now)
         return own
 
@@ -69,7 +72,7 @@ class Body:
             return None
         if self._goal is None and self._rests:
             return 0.0, 0.0
-        with self._stopwatch.span("navigation"):
+        with self._span("navigation"):
             command = self.navigator.step(now, self.slam.pose_at(odometry), self._cycle.scan(odometry))
         self._rests = command.linear == 0.0 and command.angular == 0.0
         if self._goal is not None and command.status in (Status.SUCCEEDED, Status.ABORTED):
@@ -79,11 +82,11 @@ class Body:
 
     def set_map(self, grid: OccupancyGrid) -> None:
         """The merged map, on which paths are planned."""
-        with self._stopwatch.span("navigation"):
+        with self._span("navigation"):
             self.navigator.set_map(grid)
 
     def set_others(self, positions: Mapping[str, tuple[float, float]], now: float) -> None:
-        with self._stopwatch.span("navigation"):
+        with self._span("navigation"):
             self.navigator.set_others(positions, now)
 
     def set_goal(self, goal_id: int, pose: Pose, now: float) -> None:
