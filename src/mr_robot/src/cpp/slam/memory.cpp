@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace mr_robot::slam {
 namespace {
@@ -10,7 +11,8 @@ namespace {
 constexpr double kKeyframeDistance = 0.75;  // m between keyframes
 constexpr double kKeyframeAngle = 0.8;      // rad
 constexpr int kSolveEvery = 3;              // keyframes
-constexpr int kSolutionSteps = 8;           // of a solution, one with each scan that comes
+constexpr int kSolutionSteps = 8;           // of a solution, one with each scan that comes, and
+constexpr int kClosingSteps = 30;           // of one that moves much
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
 constexpr double kLately = 3.0;             // m of way that are compared with what was drawn long ago
 constexpr long kMostAround = 40;            // keyframes, and
@@ -18,6 +20,15 @@ constexpr double kNearHere = 10.0;          // m from here, that say what was dr
 constexpr double kLoopWay = 15.0;           // m since what was drawn long ago
 constexpr Pose kLoopWindow{1.0, 1.0, 0.1};  // m and rad at most, within which a loop is closed
 constexpr double kLeastWindow = 0.3;        // m
+constexpr double kDrift = 3.0;              // deviations by which a way may have drifted,
+constexpr double kTurnDrift = 0.35;         // rad, same
+constexpr double kMostOld = 0.8;            // of the hits, on what was drawn long ago: the robot has come back
+constexpr double kFarthestLoop = 5.0;       // m at most, within which a loop is looked for on a map of its own,
+constexpr double kFarLoopTurn = 0.2;        // rad, and what is beside it:
+constexpr double kBesideLoop = 8.0;         // m
+constexpr double kFarLately = 8.0;          // m of way that are compared with that
+constexpr std::size_t kEveryOldScan = 3;    // of the scans of a keyframe, that are drawn for it, and
+constexpr int kOldAtOnce = 4;               // with each scan that comes
 constexpr double kSameLoop = 0.15;          // m within which two keyframes say the same
 constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
 constexpr double kTurned = 0.005;           // rad
@@ -49,7 +60,7 @@ Memory::Memory(const GridOptions& grid, const ScanOptions& options, Journal* jou
     : grid_(grid), options_(options), journal_(journal) {}
 
 bool Memory::due(const Pose& pose) const {
-  return keyframes_.empty() || distance(keyframes_.back().drawn, pose) >= kKeyframeDistance ||
+  return keyframes_.empty() || returns_ || distance(keyframes_.back().drawn, pose) >= kKeyframeDistance ||
          std::abs(normalized(pose.yaw - keyframes_.back().drawn.yaw)) >= kKeyframeAngle;
 }
 
@@ -83,17 +94,22 @@ void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const 
                   const Match& match) {
   keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
   const std::size_t next = keyframes_.size() - 1;
-  join(next, model);
+  join(next, model, returns_);
   if (next == 0) return;
-  link_by_scan(next, pose, match, kFloor);
+  link_by_scan(next, pose, match, kFloor, returns_);
+  if (std::exchange(returns_, false)) {
+    closing_ = true;
+    solved_ = 0;
+  }
   // The correction is not to wait for more keyframes: the robot may be home, and there are none to come.
   const bool told = told_long_ago(match);
   if (told && !told_) solved_ = 0;
+  if (told) anchored_ = way.distance;
   told_ = told;
 }
 
 // The next keyframe enters the graph: with all scans of the one before, what is seen from there is known.
-void Memory::join(std::size_t next, const OdometryModel& model) {
+void Memory::join(std::size_t next, const OdometryModel& model, bool drifted) {
   const Keyframe& keyframe = keyframes_[next];
   if (next == 0) {
     graph_.add(keyframe.drawn);
@@ -102,9 +118,9 @@ void Memory::join(std::size_t next, const OdometryModel& model) {
   const Keyframe& last = keyframes_[next - 1];
   if (const auto heading = last.walls.direction()) graph_.see_walls(next - 1, *heading);
   for (const Edge& edge : last.edges.edges()) graph_.see_edge(next - 1, edge);
-  graph_.add(graph_.pose(next - 1) * between(last.drawn, keyframe.drawn));
-  graph_.link_odometry(next, between(last.odometry, keyframe.odometry),
-                       model.deviation_of_way(keyframe.way - last.way));
+  const Pose motion = between(last.odometry, keyframe.odometry);
+  graph_.add(graph_.pose(next - 1) * (drifted ? motion : between(last.drawn, keyframe.drawn)));
+  graph_.link_odometry(next, motion, model.deviation_of_way(keyframe.way - last.way));
 }
 
 void Memory::recall(JournalScan scan) {
@@ -164,9 +180,13 @@ bool Memory::told_long_ago(const Match& match) const {
   return solver.eigenvalues()(0) * kMoved * kMoved > 1.0;
 }
 
-void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor) {
+// `returns`: of what was drawn lately, which is not where the robot is, some may be hit by chance.
+void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor,
+                          bool returns) {
   std::vector<std::pair<int, int>> most;  // hits on surfaces of an origin
-  for (const auto& [origin, evidence] : match.origins) most.emplace_back(evidence.hits, origin);
+  for (const auto& [origin, evidence] : match.origins) {
+    if (!returns || origin <= long_ago_) most.emplace_back(evidence.hits, origin);
+  }
   std::sort(most.rbegin(), most.rend());
   most.resize(std::min(most.size(), kMostLinks));
   for (const auto& [hits, origin] : most) {
@@ -175,7 +195,7 @@ void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match
     const Eigen::Matrix3d seen = seen_from(from, evidence.information);
     const Pose relative = between(from, moved(pose, evidence.step()));
     const Eigen::Matrix3d information = with_floor(seen, static_cast<double>(most.size()) * floor);
-    graph_.link(origin, next, relative, information);
+    graph_.link(origin, next, relative, information, returns);
     journal_->write(JournalLink{static_cast<std::size_t>(origin), next, relative, information});
   }
 }
@@ -213,9 +233,32 @@ GridMap Memory::drawn_around(const Pose& pose) const {
   return map;
 }
 
+// The way is now that long.
+void Memory::go_on(double distance) {
+  const int last = static_cast<int>(keyframes_.size()) - 1;
+  while (long_ago_ < last && distance - keyframes_[long_ago_ + 1].way.distance > kLoopWay) ++long_ago_;
+}
+
+bool Memory::returns(const Pose& thought, const Pose& found, const Match& match, const Way& way,
+                     const OdometryModel& model) {
+  go_on(way.distance);
+  int hits = 0, old = 0;
+  double since = 0.0;  // m of way, mean over the hits on what was drawn long ago
+  for (const auto& [origin, evidence] : match.origins) {
+    hits += evidence.hits;
+    if (origin > long_ago_) continue;
+    old += evidence.hits;
+    since += evidence.hits * (way.distance - keyframes_[origin].way.distance);
+  }
+  if (old == 0 || old < kMostOld * hits) return false;
+  const double drift = kDrift * model.deviation_of_way({since / old, 0.0}).y;
+  returns_ = distance(thought, found) <= drift && std::abs(normalized(found.yaw - thought.yaw)) <= kTurnDrift;
+  return returns_;
+}
+
 void Memory::close_loop(const OdometryModel& model, const MatchOptions& options) {
   const Keyframe& last = keyframes_.back();
-  while (last.way.distance - keyframes_[long_ago_ + 1].way.distance > kLoopWay) ++long_ago_;
+  go_on(last.way.distance);
   if (long_ago_ < 0) return;
   const double drift = 3.0 * model.deviation_of_way({last.way.distance, 0.0}).x;
   const double window = std::clamp(drift, kLeastWindow, kLoopWindow.x);
@@ -227,6 +270,61 @@ void Memory::close_loop(const OdometryModel& model, const MatchOptions& options)
   if (match && !here) loop_ = match->pose * between(last.drawn, Pose{});
   if (here || same) link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
   if (same && !here) solved_ = 0;
+  if ((here || same) && tells_place(*match)) anchored_ = last.way.distance;
+  const double since = 3.0 * model.deviation_of_way({last.way.distance - anchored_, 0.0}).y;
+  if (since < kLoopWindow.x) {
+    far_loop_.reset();
+  } else if (!far_loop_) {
+    begin_far_loop(std::min(since, kFarthestLoop), options);
+  } else if (far_loop_->waits()) {
+    far_loop_->see(seen_lately(far_loop_->keyframe()));
+  } else if (far_loop_->failed()) {
+    far_loop_.reset();
+  }
+}
+
+// First scans of the last keyframes, seen from one of them.
+std::vector<Scan> Memory::seen_lately(std::size_t keyframe) const {
+  std::vector<Scan> scans;
+  const double now = keyframes_.back().way.distance;
+  for (auto at = keyframes_.rbegin(); at != keyframes_.rend() && now - at->way.distance <= kFarLately; ++at) {
+    const Kept& kept = at->scans.front();
+    scans.push_back(seen_from(between(keyframes_[keyframe].drawn, at->drawn * kept.relative), scan_of(kept)));
+  }
+  return scans;
+}
+
+void Memory::begin_far_loop(double drift, const MatchOptions& options) {
+  const std::size_t last = keyframes_.size() - 1;
+  const Pose& here = keyframes_[last].drawn;
+  to_draw_.clear();
+  for (int i = 0; i <= long_ago_; ++i) {
+    if (distance(keyframes_[i].drawn, here) > 2.0 * drift + kBesideLoop) continue;
+    for (std::size_t scan = 0; scan < keyframes_[i].scans.size(); scan += kEveryOldScan) to_draw_.emplace_back(i, scan);
+  }
+  if (to_draw_.empty()) return;
+  far_loop_.emplace(grid_, options, last, here, Pose{drift, drift, kFarLoopTurn});
+  far_loop_->see(seen_lately(last));
+}
+
+void Memory::close_far_loop() {
+  if (!far_loop_ || closing_ || returns_ || redrawing_) return;
+  if (far_loop_->draws()) {
+    for (int done = 0; done < kOldAtOnce && !to_draw_.empty(); ++done) {
+      const auto [keyframe, scan] = to_draw_.back();
+      const Kept& kept = keyframes_[keyframe].scans[scan];
+      far_loop_->draw({scan_of(kept), keyframes_[keyframe].drawn * kept.relative, static_cast<int>(keyframe)});
+      to_draw_.pop_back();
+    }
+    if (to_draw_.empty()) far_loop_->drawn();
+    return;
+  }
+  const std::optional<Match> match = far_loop_->work();
+  if (!match) return;
+  link_by_scan(far_loop_->keyframe(), match->pose, *match, kLoopFloor, true);
+  far_loop_.reset();
+  closing_ = true;
+  solved_ = 0;
 }
 
 void Memory::begin_solving(const OdometryModel& model) {
@@ -236,7 +334,7 @@ void Memory::begin_solving(const OdometryModel& model) {
   graph_.match_edges();
   graph_.begin();
   solved_ = keyframes_.size();
-  iterations_ = kSolutionSteps;
+  iterations_ = closing_ ? kClosingSteps : kSolutionSteps;
 }
 
 void Memory::solve() {
@@ -251,7 +349,10 @@ void Memory::begin_redrawing(const GridMap& map) {
     moved |= distance(graph_.pose(i), keyframes_[i].drawn) > kMoved ||
              std::abs(normalized(graph_.pose(i).yaw - keyframes_[i].drawn.yaw)) > kTurned;
   }
-  if (!moved) return;
+  if (!moved) {
+    closing_ = closing_ && solved_ < keyframes_.size();
+    return;
+  }
   redrawing_.emplace(Redrawing{GridMap(grid_), {}});
   redrawing_->map.cover(map);
   for (std::size_t i = 0; i < keyframes_.size(); ++i) redrawing_->poses.push_back(graph_.pose(i));
@@ -300,6 +401,8 @@ std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryMo
   *map = std::move(redrawing_->map);
   redrawing_.reset();
   loop_.reset();
+  far_loop_.reset();
+  closing_ = closing_ && solved_ < keyframes_.size();
   return change;
 }
 

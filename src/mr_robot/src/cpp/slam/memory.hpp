@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "edges.hpp"
+#include "far_loop.hpp"
 #include "grid_map.hpp"
 #include "journal.hpp"
 #include "kept_hits.hpp"
@@ -37,6 +38,13 @@ class Memory {
   // Whether what was seen lately, up to the new keyframe, lies elsewhere on what was drawn long ago: links the keyframe
   // there when the one before has said the same.
   void close_loop(const OdometryModel& model, const MatchOptions& options);
+  // A part of the search for one that closes farther off.
+  void close_far_loop();
+  // The robot, lost at `thought`, has been found at `found` by `match`. Returns whether that is by how much its way may
+  // have drifted since it was there: then the next scan that enters the map closes the loop.
+  bool returns(const Pose& thought, const Pose& found, const Match& match, const Way& way, const OdometryModel& model);
+  // Whether a scan may enter the map: while a loop is being closed, none but the one that closes it.
+  bool takes(const Match& match) const { return returns_ ? told_long_ago(match) : !closing_; }
   // A part of the work that is left. When the map has been drawn anew it is moved to `map`; how the robot's pose on the
   // former map is to be taken to it. `rests`: the robot stands, so that even a little is worth a solution.
   std::optional<std::pair<Pose, Pose>> work(GridMap* map, const OdometryModel& model, bool rests);
@@ -63,12 +71,16 @@ class Memory {
   };
 
   void open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
-  void join(std::size_t next, const OdometryModel& model);
+  void join(std::size_t next, const OdometryModel& model, bool drifted = false);
   void keep(std::vector<float> ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose);
   void recall(JournalScan scan);
   void draw(GridMap* map) const;
-  void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor);
+  void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor,
+                    bool returns = false);
   bool told_long_ago(const Match& match) const;
+  void go_on(double distance);
+  void begin_far_loop(double drift, const MatchOptions& options);
+  std::vector<Scan> seen_lately(std::size_t keyframe) const;
   bool due(const Pose& pose) const;
   Scan scan_of(const Kept& kept) const;
   Scan lately() const;
@@ -85,8 +97,13 @@ class Memory {
   PoseGraph graph_;
   std::vector<Keyframe> keyframes_;
   std::optional<Redrawing> redrawing_;
-  int long_ago_ = -1;         // last keyframe that the way since then has led far from
-  bool told_ = false;         // surfaces of long ago told the position of the last keyframe
+  int long_ago_ = -1;      // last keyframe that the way since then has led far from
+  bool told_ = false;      // surfaces of long ago told the position of the last keyframe
+  bool returns_ = false;   // with the next scan: the map where it is was drawn long ago, and is off
+  bool closing_ = false;   // until the map has been drawn anew after that
+  double anchored_ = 0.0;  // m of way when surfaces of long ago last told where the robot is
+  std::optional<FarLoop> far_loop_;
+  std::vector<std::pair<std::size_t, std::size_t>> to_draw_;  // for that: keyframes and their scans
   std::optional<Pose> loop_;  // what the last keyframe says: the frame of its drawn pose in that of the old surfaces
   std::size_t solved_ = 0;    // keyframes when the last solution was begun
   int iterations_ = 0;        // left of it

@@ -100,8 +100,9 @@ void PoseGraph::link_odometry(std::size_t next, const Pose& motion, const Pose& 
   odometry_.push_back({next, motion, deviation});
 }
 
-void PoseGraph::link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information) {
-  links_.push_back({from, to, relative, Eigen::Matrix3d(information.llt().matrixU())});
+void PoseGraph::link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information,
+                     bool sure) {
+  links_.push_back({from, to, relative, Eigen::Matrix3d(information.llt().matrixU()), sure});
 }
 
 double PoseGraph::off(const Walls& walls, double direction) const {
@@ -149,6 +150,7 @@ class PoseGraph::Solution {
 
   std::vector<std::array<double, 3>> poses_;
   std::array<double, 2> factors_;
+  std::size_t links_;
   double direction_ = 0.0;  // of the walls
   std::vector<Landmark> landmarks_;
   ceres::Problem problem_;
@@ -156,15 +158,16 @@ class PoseGraph::Solution {
 };
 
 PoseGraph::Solution::Solution(const PoseGraph& graph)
-    : factors_{graph.factors_[0], graph.factors_[1]}, landmarks_(graph.landmarks_) {
+    : factors_{graph.factors_[0], graph.factors_[1]}, links_(graph.links_.size()), landmarks_(graph.landmarks_) {
   for (const Pose& pose : graph.poses_) poses_.push_back({pose.x, pose.y, pose.yaw});
   for (const OdometryLink& link : graph.odometry_) {
     add<3, 3, 3, 2>(new OdometryCost{link.motion, link.deviation}, kOutlier, poses_[link.next - 1].data(),
                     poses_[link.next].data(), factors_.data());
   }
   for (const Link& link : graph.links_) {
-    add<3, 3, 3>(new ScanCost{link.relative, link.root}, link.from + kRecent < link.to ? kOutlier : 0.0,
-                 poses_[link.from].data(), poses_[link.to].data());
+    const bool doubted = link.from + kRecent < link.to && !link.sure;
+    add<3, 3, 3>(new ScanCost{link.relative, link.root}, doubted ? kOutlier : 0.0, poses_[link.from].data(),
+                 poses_[link.to].data());
   }
   const std::optional<double> walls = graph.direction_of_walls();
   direction_ = walls.value_or(0.0);
@@ -208,6 +211,7 @@ void PoseGraph::Solution::take_to(PoseGraph* graph) const {
     graph->poses_[i] = graph->poses_[last] * between(before, graph->poses_[i]);
   }
   std::copy(factors_.begin(), factors_.end(), graph->factors_);
+  for (std::size_t i = 0; i < links_; ++i) graph->links_[i].sure = false;
 }
 
 PoseGraph::PoseGraph() = default;

@@ -23,8 +23,10 @@ class PoseGraph {
   void link_odometry(std::size_t next, const Pose& motion, const Pose& deviation);
   // What the standard deviations of the motion to `next` have turned out to be.
   void weigh_odometry(std::size_t next, const Pose& deviation) { odometry_[next - 1].deviation = deviation; }
-  // Scans say that `to` lies at `relative` seen from `from`. `information`: of that, inverse of its covariance.
-  void link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information);
+  // Scans say that `to` lies at `relative` seen from `from`. `information`: of that, inverse of its covariance. `sure`:
+  // not doubted before the poses have followed it once, however far that moves them.
+  void link(std::size_t from, std::size_t to, const Pose& relative, const Eigen::Matrix3d& information,
+            bool sure = false);
 
   // Most walls around the pose run along or across the robot at `heading` (rad, a quarter turn more or less is the
   // same). Where most walls of the building stand square to one another, they tell how the pose is turned.
@@ -61,6 +63,7 @@ class PoseGraph {
     std::size_t from, to;
     Pose relative;
     Eigen::Matrix3d root;  // of the information
+    bool sure;
   };
 
   struct Walls {

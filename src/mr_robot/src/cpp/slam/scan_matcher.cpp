@@ -9,12 +9,13 @@ namespace mr_robot::slam {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kOnSurface = 0.05;  // m
-constexpr double kSure = 0.8;        // share on surfaces from which wheels are said to slip
-constexpr double kMostKnown = 0.5;   // of the hits that must be known for that
-constexpr double kThrough = 0.1;     // of the beams see through the map where the robot cannot be,
-constexpr double kDrawnOff = 0.25;   // m by which walls of the map may be wrong there
-constexpr double kSlip = 0.6;        // m and rad at most, by which wheels slip before that is seen
+constexpr double kOnSurface = 0.05;    // m
+constexpr double kReachAtLast = 0.12;  // m, how far from a surface a hit may be when the pose is nearly found
+constexpr double kSure = 0.8;          // share on surfaces from which wheels are said to slip
+constexpr double kMostKnown = 0.5;     // of the hits that must be known for that
+constexpr double kThrough = 0.1;       // of the beams see through the map where the robot cannot be,
+constexpr double kDrawnOff = 0.25;     // m by which walls of the map may be wrong there
+constexpr double kSlip = 0.6;          // m and rad at most, by which wheels slip before that is seen
 constexpr std::size_t kFewBeams = 10;
 // What hits say of the position where they say least of it, 1: as much as where they say most. Below the first it is
 // noise; from the second on all of it counts.
@@ -27,10 +28,11 @@ constexpr double kLeastOnOld = 0.5;         // of all hits must lie on old surfa
 constexpr double kLeastElsewhere = 0.3;     // where the robot seems not to be, if
 constexpr double kOfKnown = 0.95;           // of those in known parts do
 constexpr double kMoreOnOld = 0.1;          // elsewhere: so many more than where the robot seems to be
-constexpr int kAllLately = -1;              // no origin of long ago
 constexpr double kBorder = 2.0;             // cells
 constexpr Pose kTight{0.05, 0.05, 0.01};
-constexpr double kTrust = 0.5;  // of odometry's deviation where scan and odometry agree
+constexpr Pose kRough{0.3, 0.3, 0.1};     // m and rad, of a place that was found on a coarse grid
+constexpr double kPlaceDeviation = 0.03;  // m, to which hits must tell a place
+constexpr double kTrust = 0.5;            // of odometry's deviation where scan and odometry agree
 
 // Takes from what hits say of a pose what is noise. Walls that all run one way say nothing of the position along them
 // (degenerate directions: Zhang, Kaess and Singh 2016); the normals at jambs and niches lean by how they were looked
@@ -146,7 +148,7 @@ Fit refine(const Surroundings& around, const Pose& start, const Pose& expected, 
     const Eigen::Matrix3d seen = part * sum.information * part;
     const Eigen::Vector3d step = (information + seen).ldlt().solve(-information * off - part * sum.pull);
     fit.pose = moved(pose, step);
-    reach = std::max(0.5 * reach, 0.12);
+    reach = std::max(0.5 * reach, kReachAtLast);
     if (iteration > 1 && step.head<2>().norm() < 2e-4 && std::abs(step.z()) < 1e-4) break;
   }
   judge(around, reach, precision, fresh, associations, &fit);
@@ -324,7 +326,7 @@ std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose&
                                const MatchOptions& options) {
   const std::vector<const Beam*> beams = spaced_hits(scan);
   if (beams.size() < kLeastBeams) return std::nullopt;
-  const Surroundings around{old, beams, scan.eye, kAllLately};
+  const Surroundings around{old, beams, scan.eye, kNothingOld};
   const auto fit = [&](const Pose& start, const Pose& deviation) {
     std::vector<Association> associations(beams.size());
     return refine(around, start, start, deviation, options.surface_deviation, options, associations);
@@ -345,6 +347,38 @@ std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose&
   match.known = found.known;
   match.origins = found.origins;
   return match;
+}
+
+Match match_place(const GridMap& map, const std::vector<Scan>& scans, const Pose& pose, const MatchOptions& options) {
+  std::vector<const Beam*> all;
+  for (const Scan& scan : scans) {
+    for (const Beam& beam : scan.beams) all.push_back(&beam);
+  }
+  std::vector<Association> associations(all.size());
+  const Surroundings together{map, all, scans.back().eye, kNothingOld};
+  const Fit fit = refine(together, pose, pose, kRough, options.surface_deviation, options, associations);
+  Match match{fit.pose, 0.0, Outcome::kMatched};
+  match.origins = fit.origins;
+  double known = 0.0, on = 0.0;  // hits
+  for (const Scan& scan : scans) {
+    std::vector<const Beam*> beams;
+    for (const Beam& beam : scan.beams) beams.push_back(&beam);
+    std::vector<Association> each(beams.size());
+    Fit part{fit.pose};
+    judge({map, beams, scan.eye, kNothingOld}, kReachAtLast, 1.0, false, each, &part);
+    known += part.known * static_cast<double>(beams.size());
+    on += part.known * part.share * static_cast<double>(beams.size());
+  }
+  match.share = known > 0.0 ? on / known : 0.0;
+  match.known = all.empty() ? 0.0 : known / static_cast<double>(all.size());
+  return match;
+}
+
+bool tells_place(const Match& match) {
+  Fit fit{match.pose};
+  fit.origins = match.origins;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(said_of_position(fit), Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()(0) * kPlaceDeviation * kPlaceDeviation > 1.0;
 }
 
 }  // namespace mr_robot::slam

@@ -10,6 +10,8 @@
 
 namespace mr_robot::slam {
 
+constexpr int kNothingOld = -1;  // no origin of long ago
+
 struct MatchOptions {
   double surface_deviation;       // m, standard deviation of hits around surfaces
   double reach = 0.25;            // m, how far from a surface a hit may be to be drawn to it
@@ -53,5 +55,12 @@ Match match_scan(const GridMap& map, const Scan& scan, const Pose& expected, con
 // say too little.
 std::optional<Match> match_old(const GridMap& old, const Scan& scan, const Pose& pose, const Pose& window,
                                const MatchOptions& options);
+
+// Scans of one frame, with its pose near `pose`: where it fits best, and how well, each scan seen from where it was
+// taken. The pose is that of the frame.
+Match match_place(const GridMap& map, const std::vector<Scan>& scans, const Pose& pose, const MatchOptions& options);
+
+// Whether the hits of a match tell its position in every direction.
+bool tells_place(const Match& match);
 
 }  // namespace mr_robot::slam

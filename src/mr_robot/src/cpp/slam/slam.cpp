@@ -109,6 +109,7 @@ void Slam::start(const Scan& scan, const Pose& odometry, double time, SlamUpdate
 // Time to put in order what is known.
 SlamUpdate Slam::rest(const Pose& odometry) {
   SlamUpdate update;
+  if (astray()) seek();
   update.inserted = follow(memory_.work(&map_, model_, rested_ > 0));
   update.pose = pose_at(odometry);
   update.matched = !contradicted_;
@@ -118,14 +119,50 @@ SlamUpdate Slam::rest(const Pose& odometry) {
 
 // The wheels turned and the robot moved by no more than it may have done before they slipped.
 SlamUpdate Slam::slip(const Scan& scan, const Pose& odometry) {
+  if (astray()) {
+    pose_ = stood_;
+    odometry_ = odometry;
+    driven_ = stood_driven_;
+    return rest(odometry);
+  }
   const Match match = match_scan(map_, scan, stood_, kSlipped, stood_, false, memory_.long_ago(), options_.match);
   pose_ = confirmed_ = match.outcome == Outcome::kMatched ? match.pose : stood_;
   odometry_ = odometry;
   driven_ = stood_driven_;
   contradicted_ = left_confirmed_ = false;
   elsewhere_.clear();
+  lost_.reset();
   model_.interrupt();
   return rest(odometry);
+}
+
+// What fits now may do so by chance: nothing is drawn before all that was seen since is found on the map.
+SlamUpdate Slam::go_astray(const Scan& scan, const Pose& odometry, Standing::Verdict verdict) {
+  const Pose motion = between(odometry_, odometry);
+  lost_->add(scan, model_.corrected(motion), model_.deviation(motion));
+  pose_ = pose_at(odometry);
+  driven_ = driven_ * motion;
+  odometry_ = odometry;
+  contradicted_ = true;
+  if (verdict == Standing::Verdict::kMoved || verdict == Standing::Verdict::kUnknown) {
+    stood_ = pose_;
+    stood_driven_ = driven_;
+  }
+  return rest(odometry);
+}
+
+void Slam::seek() {
+  const std::optional<Lost::Found> found = lost_->search(map_, pose_);
+  if (!found) return;
+  // Where it was carried, its wheels have not counted the way.
+  if (!memory_.returns(pose_, found->robot, found->match, way_, model_))
+    driven_ = driven_ * between(pose_, found->robot);
+  pose_ = confirmed_ = stood_ = found->robot;
+  stood_driven_ = driven_;
+  contradicted_ = left_confirmed_ = false;
+  elsewhere_.clear();
+  lost_.reset();
+  model_.interrupt();
 }
 
 // The map has been drawn anew: what lay at the first pose lies at the second.
@@ -133,6 +170,7 @@ bool Slam::follow(const std::optional<std::pair<Pose, Pose>>& change) {
   if (!change) return false;
   for (Pose* pose : {&pose_, &confirmed_, &inserted_, &stood_}) *pose = change->second * between(change->first, *pose);
   elsewhere_.clear();
+  if (lost_) lost_->map_changed();
   return true;
 }
 
@@ -146,7 +184,10 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   SlamUpdate update;
   if (stands && rested_ >= kRestLimit) {
     update = rest(odometry);
-    update.inserted |= map_.clear(scan, update.pose);
+    // One that was lifted and put down elsewhere sees through walls.
+    const Match match = match_scan(map_, scan, update.pose, model_.deviation({}), std::nullopt, false,
+                                   memory_.long_ago(), options_.match);
+    if (match.outcome != Outcome::kContradicts) update.inserted |= map_.clear(scan, update.pose);
     updated_at_ = time;
     return update;
   }
@@ -161,6 +202,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   const Pose motion = between(odometry_, odometry);
   way_.distance += std::hypot(motion.x, motion.y);
   way_.turn += std::abs(motion.yaw);
+  if (astray()) return go_astray(scan, odometry, verdict);
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
   const std::optional<Pose> previous = left_confirmed_ ? std::nullopt : std::optional(confirmed_);
   const bool sparse = moved(Pose{}, motion, kSparseDistance, kSparseAngle);
@@ -177,11 +219,15 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   odometry_ = odometry;
   const bool seen = match.outcome != Outcome::kNothingSeen;
   if (seen) contradicted_ = match.outcome == Outcome::kContradicts;
+  if (!contradicted_) lost_.reset();
+  if (contradicted_ && !lost_) lost_.emplace(options_.grid, options_.match);
+  if (lost_) lost_->add(scan, model_.corrected(motion), model_.deviation(motion));
   if (seen && elsewhere_.add(match, odometry)) {
     driven_ = driven_ * between(pose_, *match.elsewhere);
     pose_ = *match.elsewhere;
     contradicted_ = false;
     elsewhere_.clear();
+    lost_.reset();
   }
   const bool says = seen || verdict == Standing::Verdict::kMoved || moved(confirmed_, pose_, kMostBlind, kMostBlind);
   if (!contradicted_ && says) {
@@ -189,7 +235,7 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     left_confirmed_ = false;
   }
   bool costly = false;  // already: the rest of the work is left to the next scans
-  if (!contradicted_ && !doubtful && !match.elsewhere &&
+  if (!contradicted_ && !doubtful && !match.elsewhere && memory_.takes(match) &&
       (stands || moved(inserted_, pose_, options_.insert_distance, options_.insert_angle))) {
     const int width = map_.width(), height = map_.height();
     update.inserted = insert(scan, stands, time);
@@ -203,7 +249,10 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
     stood_ = pose_;
     stood_driven_ = driven_;
   }
-  if (!costly) update.inserted |= follow(memory_.work(&map_, model_, false));
+  if (!costly) {
+    memory_.close_far_loop();
+    update.inserted |= follow(memory_.work(&map_, model_, false));
+  }
   update.pose = pose_;
   update.matched = !contradicted_;
   update.share = share_ = match.share;

@@ -6,6 +6,7 @@
 
 #include "grid_map.hpp"
 #include "journal.hpp"
+#include "lost.hpp"
 #include "memory.hpp"
 #include "odometry_model.hpp"
 #include "scan_matcher.hpp"
@@ -81,6 +82,9 @@ class Slam {
   void start(const Scan& scan, const Pose& odometry, double time, SlamUpdate* update);
   SlamUpdate rest(const Pose& odometry);
   SlamUpdate slip(const Scan& scan, const Pose& odometry);
+  SlamUpdate go_astray(const Scan& scan, const Pose& odometry, Standing::Verdict verdict);
+  bool astray() const { return lost_ && lost_->astray(); }
+  void seek();
   bool insert(const Scan& scan, bool stands, double time);
   bool follow(const std::optional<std::pair<Pose, Pose>>& change);
   bool moved(const Pose& from, const Pose& to, double distance, double angle) const;
@@ -103,6 +107,7 @@ class Slam {
   bool contradicted_ = false;    // by the last match
   bool left_confirmed_ = false;  // as scans say
   Elsewhere elsewhere_;
+  std::optional<Lost> lost_;  // since a scan contradicted
   Standing standing_;
   Pose stood_;         // map frame, where the scan was taken that `standing_` compares with
   Pose stood_driven_;  // `driven_` at that moment
