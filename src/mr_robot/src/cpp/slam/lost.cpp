@@ -3,7 +3,8 @@
 namespace mr_robot::slam {
 namespace {
 
-constexpr double kAstray = 1.0;        // m or rad
+constexpr double kAstray = 1.0;        // m or rad, and
+constexpr int kAstrayScans = 10;       // of a slow laser, few of which may not fit
 constexpr double kNextSearch = 0.75;   // m or rad from one search to the next
 constexpr double kLongestWay = 20.0;   // m that are drawn on one map
 constexpr double kDrawDistance = 0.1;  // m, and
@@ -43,10 +44,11 @@ void Lost::draw(const Scan& scan) {
 }
 
 void Lost::add(const Scan& scan, const Pose& motion, const Pose& deviation) {
+  ++scans_;
   if (!own_ || way_.distance > kLongestWay) return begin_anew(scan);
   way_.distance += std::hypot(motion.x, motion.y);
   way_.turn += std::abs(motion.yaw);
-  astray_ |= way_.distance >= kAstray || way_.turn >= kAstray;
+  astray_ |= scans_ >= kAstrayScans && (way_.distance >= kAstray || way_.turn >= kAstray);
   const bool sparse = apart(Pose{}, motion, kKeepApart, kKeepApart);
   const Match match = match_scan(*own_, scan, robot_ * motion, deviation, std::nullopt, sparse, kNothingOld, options_);
   robot_ = match.pose;

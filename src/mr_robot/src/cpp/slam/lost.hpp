@@ -44,6 +44,7 @@ class Lost {
   std::vector<Scan> seen_;     // in its frame
   Way way_, searched_;         // since it was begun; until the last search
   int contradicted_ = 0;       // scans by that, in a row
+  int scans_ = 0;              // since it was lost
   bool astray_ = false;
   PlaceFinder finder_;
 };
