@@ -64,18 +64,17 @@ def test_a_robot_that_was_carried_away_finds_itself(known: int) -> None:
     assert wrong_walls(Truth.of_world(true_world_of(Recorder(log.world, 3).world)), slam.map(), start) < 0.005
 
 
-def test_a_robot_that_may_be_at_either_of_two_places_stays_lost(draw_world: Callable[..., str]) -> None:
-    """A hall that looks the same after half a turn."""
+@pytest.mark.parametrize("known", [800, 1100])
+def test_a_robot_that_may_be_at_either_of_two_places_stays_lost(draw_world: Callable[..., str], known: int) -> None:
+    """A hall that looks the same after half a turn: one that took the better fit was turned around twice of four times."""
     pillars = [(2.0, 2.0, 1.0, 0.6), (9.0, 5.4, 1.0, 0.6), (5.0, 1.0, 0.6, 1.0), (6.4, 6.0, 0.6, 1.0)]
     world = draw_world((12, 8), pillars, [(1.5, 4.0, 0.0)])
     rounds = [(6.0, 4.0), (10.5, 4.0), (10.5, 1.5), (7.5, 2.0), (4.0, 3.5), (1.5, 6.0), (4.0, 6.5), (6.0, 4.0)]
-    log = carried(driven(world, 3 * rounds, 200.0), 900, 3.0, 1.0)
-    slam, start = slam_of(world), Pose(*log.truth[0].tolist())
-    truth = Truth.of_world(true_world_of(Recorder(world, 3).world))
+    log, slam = carried(driven(world, 3 * rounds, 200.0), known, 2.0, 2.0), slam_of(world)
     for index in processed(log, slam, range(len(log.times))):
-        if index == 899:
+        if index == known:
             before = slam.map().cells
-    assert np.array_equal(slam.map().cells, before) or wrong_walls(truth, slam.map(), start) < 0.005
+    assert np.array_equal(slam.map().cells, before) or error_after(log, slam, len(log.times) - 1) < 0.1
 
 
 def test_a_robot_that_was_carried_and_stands_erases_no_walls() -> None:
