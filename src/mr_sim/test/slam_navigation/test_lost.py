@@ -66,7 +66,7 @@ def test_a_robot_that_was_carried_away_finds_itself(known: int) -> None:
 
 @pytest.mark.parametrize("known", [800, 1100])
 def test_a_robot_that_may_be_at_either_of_two_places_stays_lost(draw_world: Callable[..., str], known: int) -> None:
-    """A hall that looks the same after half a turn: one that took the better fit was turned around twice of four times."""
+    """A hall that looks the same after half a turn: one that took the better fit was turned around."""
     pillars = [(2.0, 2.0, 1.0, 0.6), (9.0, 5.4, 1.0, 0.6), (5.0, 1.0, 0.6, 1.0), (6.4, 6.0, 0.6, 1.0)]
     world = draw_world((12, 8), pillars, [(1.5, 4.0, 0.0)])
     rounds = [(6.0, 4.0), (10.5, 4.0), (10.5, 1.5), (7.5, 2.0), (4.0, 3.5), (1.5, 6.0), (4.0, 6.5), (6.0, 4.0)]
