@@ -11,8 +11,9 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from mr_sim.bench_world import Row
-from mr_sim.nuisance.runs import MODEL_WORLDS, PIONEER, SceneRun, run_seed
+from mr_sim.nuisance.runs import PIONEER, SceneRun, run_seed
 from mr_sim.nuisance.scenes import KINDS, SceneError
+from mr_sim.worlds import WorldNotFoundError
 
 STUCK_BAR, CONTACT_BAR = 1.0, 0.0
 TIME_BAR = 3.0  # times the ideal
@@ -20,8 +21,8 @@ COMMAND_BAR, WORST_BAR = 2.0, 100.0  # ms; a command has to come before the next
 
 
 def rows(runs: Sequence[SceneRun], robot: str = PIONEER) -> list[Row]:
-    """Of all scenes, and how often robots got stuck in those of each kind. `robot`: kind of the robots, which rows of
-    others than Pioneers name."""
+    """Of all scenes, and how often robots got stuck in those of each kind. `robot`: kind of the robots, or their file,
+    which rows of others than Pioneers name."""
     seeds = f"seeds {min(run.seed for run in runs)} to {max(run.seed for run in runs)}"
     goals = [goal for run in runs for goal in run.goals]
     reached = [goal for goal in goals if goal.reached]
@@ -40,7 +41,7 @@ def rows(runs: Sequence[SceneRun], robot: str = PIONEER) -> list[Row]:
         _row("longest command", WORST_BAR, worst, "ms", "median of the scenes' longest "
              f"{1e3 * statistics.median(run.slowest for run in runs):.1f} ms"),
     ]  # fmt: skip
-    return table if robot == PIONEER else [replace(row, what=f"{robot}: {row.what}") for row in table]
+    return table if robot == PIONEER else [replace(row, what=f"{Path(robot).stem}: {row.what}") for row in table]
 
 
 def _by_kind(runs: Sequence[SceneRun]) -> str:
@@ -96,8 +97,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=200, metavar="N", help="number of scenes (default: %(default)s)")
     parser.add_argument("--first", type=int, default=1, metavar="SEED", help="the first seed (default: %(default)s)")
     parser.add_argument(
-        "--robot", choices=sorted(MODEL_WORLDS), default=PIONEER, help="kind of the robots (default: %(default)s)"
-    )
+        "--robot", default=PIONEER, metavar="KIND|FILE.inc",
+        help="pioneer, turtlebot, or the file of a model; a larger one has wider doors (default: %(default)s)",
+    )  # fmt: skip
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
     parser.add_argument("--out", help="JSON file to write the rows to")
     arguments = parser.parse_args(argv)
@@ -108,7 +110,7 @@ def main(argv: list[str] | None = None) -> int:
         for run in run_all(range(arguments.first, arguments.first + arguments.seeds), arguments.jobs, arguments.robot):
             _report(run)
             runs.append(run)
-    except SceneError as error:
+    except (SceneError, WorldNotFoundError) as error:
         print(f"bench_navigation: {error}", file=sys.stderr)
         return 1
     table = rows(runs, arguments.robot)

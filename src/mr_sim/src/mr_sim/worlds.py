@@ -18,7 +18,7 @@ from mr_robot.platforms.parameters import largest_radius
 from mr_robot.platforms.platform import PlatformError
 from mr_sim.map_world import is_map, map_world_files
 from mr_sim.simulated_platform import platform_of
-from mr_sim.world_description import WorldDescription
+from mr_sim.world_description import RobotDescription, WorldDescription
 from mr_sim.world_file import WorldFileError
 from mr_sim.world_folders import world_folders
 from mr_sim.world_model import load_world
@@ -167,12 +167,28 @@ def radius_for(world: WorldName) -> float:
 
 @lru_cache(maxsize=1)
 def _pioneer_radius() -> float:
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / f"{LARGEST}{ROBOT_FILE}").write_bytes(_model(LARGEST))
-        return _radius_of(Path(folder) / f"{LARGEST}{ROBOT_FILE}")
+    return _radius_of(_model_file(LARGEST))
 
 
 def _radius_of(file: Path) -> float:
+    return largest_radius([platform_of(_robot_of(file))])
+
+
+def robot_named(name: str) -> RobotDescription:
+    """A robot of a model of the project, `pioneer`, or of the file of one, `FOLDER/NAME.inc`. Raises WorldNotFoundError
+    for one that there is not or that cannot be used."""
+    file = Path(name)
+    try:
+        if not name.endswith(ROBOT_FILE):
+            return _robot_of(_model_file(name))
+        _read_robot(file)
+        return _robot_of(file)
+    except ValueError as error:
+        raise WorldNotFoundError(str(error)) from None
+
+
+def _robot_of(file: Path) -> RobotDescription:
+    """ValueError for one that cannot be used."""
     with tempfile.TemporaryDirectory() as folder:
         world = Path(folder) / "robot.world"
         world.write_text(f'include "{file.resolve()}"\n{file.stem} ( )\n')
@@ -186,16 +202,21 @@ def _radius_of(file: Path) -> float:
     if not robots:
         raise ValueError(f"{file} has to define {file.stem} as a position model")
     try:
-        return largest_radius([platform_of(robot) for robot in robots])
+        platform_of(robots[0])
     except PlatformError as error:
         raise ValueError(f"{file}: {error}") from None
+    return robots[0]
+
+
+def _model_file(name: str) -> Path:
+    for folder in world_folders():
+        if (folder / f"{name}{ROBOT_FILE}").is_file():
+            return folder / f"{name}{ROBOT_FILE}"
+    raise WorldNotFoundError(f"{name}{ROBOT_FILE}, which describes a kind of robot, is not among the worlds")
 
 
 def _model(name: str) -> bytes:
-    for folder in world_folders():
-        if (folder / f"{name}.inc").is_file():
-            return (folder / f"{name}.inc").read_bytes()
-    raise WorldNotFoundError(f"{name}.inc, which describes robots of generated worlds, is not among the worlds")
+    return _model_file(name).read_bytes()
 
 
 def _keep(path: Path, content: bytes) -> bool:

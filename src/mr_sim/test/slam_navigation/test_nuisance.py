@@ -13,13 +13,21 @@ from mr_sim.bench_navigation import rows
 from mr_sim.nuisance import reach as reach_module
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import Reach
-from mr_sim.nuisance.runs import MODEL_WORLDS, PIONEER, GoalRun, SceneRun, run_seed
+from mr_sim.nuisance.runs import PIONEER, GoalRun, SceneRun, run_seed
 from mr_sim.nuisance.scenes import KINDS, STANDING_ROOM, draw
 from mr_sim.world_description import Obstacle, WorldDescription
-from mr_sim.world_model import load_world
-from mr_sim.worlds import find_world
+from mr_sim.worlds import WorldNotFoundError, robot_named
 
-ROBOT = load_world(find_world(MODEL_WORLDS[PIONEER])).robots[0]
+ROBOT = robot_named(PIONEER)
+HUSKY = """define husky position ( size [ 0.99 0.67 0.39 ] velocity_bounds [ -1 1 0 0 0 0 -115 115 ] localization "odom"
+  odom_error [ 0.03 0.03 0 0.05 ] ranger ( update_interval 100 pose [ 0.3 0 0 0 ]
+  sensor ( range [ 0 8 ] fov 270 samples 541 noise [ 0.0001 0 0 ] ) ) )"""
+
+
+@pytest.fixture
+def husky(tmp_path: Path) -> str:
+    (tmp_path / "husky.inc").write_text(HUSKY)
+    return str(tmp_path / "husky.inc")
 
 
 def world_of(*boxes: tuple) -> WorldDescription:
@@ -111,3 +119,26 @@ def test_robots_that_meet_in_a_corridor_pass(seed: int) -> None:
     """Both gave way at once and came back at once; or one dithered where it could not turn, or gave up a goal that it
     came nearer to all the time."""
     assert run_seed(seed).stuck == 0
+
+
+@pytest.mark.parametrize("seed", range(len(KINDS)))
+def test_a_larger_robot_has_scenes_that_it_fits_through(husky: str, seed: int) -> None:
+    scene = draw(seed, robot_named(husky))
+    assert scene.kind == list(KINDS)[seed]
+    for robot, goals in zip(scene.world.robots, scene.goals):
+        assert scene.reach.stands(robot.start, STANDING_ROOM)
+        assert all(math.isfinite(scene.reach.seconds(robot.start, goal)) for goal in goals)
+
+
+@pytest.mark.parametrize("name, told", [("pioner", "pioner.inc"), ("none.inc", "cannot be read")])
+def test_a_robot_that_there_is_not_is_one_clear_error(name: str, told: str) -> None:
+    with pytest.raises(WorldNotFoundError, match=told):
+        robot_named(name)
+
+
+@pytest.mark.parametrize("seed", [65001, 65003, 65021])
+def test_a_long_robot_gets_on_where_it_stands_askew(husky: str, seed: int) -> None:
+    """Beside a jamb it backed by a step, drove on to where it had stood, and backed again; it came to no goal that is
+    close to two walls; where it gave way it braked into one."""
+    run = run_seed(seed, husky)
+    assert run.stuck == 0 and run.contacts == 0

@@ -23,10 +23,10 @@ MARGIN = 0.01  # m around the footprint
 GOAL_REACH = 0.12
 # Looking farther than this costs seconds, and is done only where there is no way in that time.
 USUAL_DETOUR, TURNING = 2.0, 4.0  # of the straight line; s
-_HALF = ((1, 0), (2, 1), (1, 1), (1, 2), (0, 1), (-1, 2), (-1, 1), (-2, 1))  # cells, of half a turn
-STEPS = (*_HALF, *((-x, -y) for x, y in _HALF))
-HEADINGS = [math.atan2(y, x) for x, y in STEPS]
+SWING = 0.1  # m that the front comes aside from one heading to the next, so that a body gets away from a wall
 
+Step = tuple[int, int]
+"""Cells along x and y."""
 Edges = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Numbers of nodes, of the nodes they lead to, and seconds."""
 
@@ -37,7 +37,10 @@ class Reach:
     def __init__(self, world: WorldDescription) -> None:
         self._grid: Grid = rasterise(world.obstacles, world.resolution)
         self._polygons = world.robots[0].footprint
-        self.drive = platform_of(world.robots[0]).drive
+        platform = platform_of(world.robots[0])
+        self.drive = platform.drive
+        self._steps = _steps(platform.footprint.length / 2.0)
+        self._headings = [math.atan2(y, x) for x, y in self._steps]
         self._every = round(CELL / world.resolution)
         free = (self._grid.cells == 0).astype(np.uint8)
         self._room = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * world.resolution
@@ -81,8 +84,8 @@ class Reach:
             for dc in (-1, 0, 1):
                 r, c = row + dr, column + dc
                 if 0 <= r < field.shape[1] and 0 <= c < field.shape[2]:
-                    turns = [abs(normalized(start[2] - heading)) for heading in HEADINGS]
-                    nearest = sorted(range(len(HEADINGS)), key=lambda k: turns[k])[:2]
+                    turns = [abs(normalized(start[2] - heading)) for heading in self._headings]
+                    nearest = sorted(range(len(turns)), key=lambda k: turns[k])[:2]
                     best = min([best, *(field[k, r, c] + turns[k] / self.drive.max_angular_velocity for k in nearest)])
         return float(best)
 
@@ -100,7 +103,7 @@ class Reach:
 
     @cached_property
     def _graph(self) -> coo_matrix:
-        return _graph(self._free, self.drive)
+        return _graph(self._free, self._steps, self.drive)
 
     @cached_property
     def _free(self) -> np.ndarray:
@@ -111,7 +114,7 @@ class Reach:
                 self._grid.cells, np.ascontiguousarray(self._mask(heading, MARGIN)[::-1, ::-1]),
                 borderType=cv2.BORDER_CONSTANT, borderValue=1,
             )[start :: self._every, start :: self._every] == 0
-            for heading in HEADINGS
+            for heading in self._headings
         ]  # fmt: skip
         return np.array(layers)
 
@@ -136,18 +139,28 @@ def _footprint_mask(polygons: tuple[Polygon, ...], heading: float, margin: float
     return (outside <= margin + resolution / 2.0).astype(np.uint8)
 
 
-def _graph(free: np.ndarray, drive: Drive) -> coo_matrix:
+def _steps(half_length: float) -> tuple[Step, ...]:
+    """Of a whole turn. `half_length`: m, of the body; long ones have finer headings near the axes of the lattice."""
+    along = max(2, math.ceil(half_length / SWING) - 1)
+    coarse = ((1, 0), (2, 1), (1, 1), (1, 2))
+    quarter = coarse if along == 2 else ((1, 0), (along, 1), *coarse[1:], (1, along))
+    half = (*quarter, *((-y, x) for x, y in quarter))
+    return (*half, *((-x, -y) for x, y in half))
+
+
+def _graph(free: np.ndarray, steps: tuple[Step, ...], drive: Drive) -> coo_matrix:
     """Undirected, seconds: steps along the heading and turns to the next one."""
+    headings = [math.atan2(y, x) for x, y in steps]
     numbers = np.arange(free.size).reshape(free.shape)
     edges: list[Edges] = []
-    for k, (dx, dy) in enumerate(STEPS):
-        following = (k + 1) % len(STEPS)
+    for k, (dx, dy) in enumerate(steps):
+        following = (k + 1) % len(steps)
         both = free[k] & free[following]
-        turn = abs(normalized(HEADINGS[following] - HEADINGS[k])) / drive.max_angular_velocity
+        turn = abs(normalized(headings[following] - headings[k])) / drive.max_angular_velocity
         _add(numbers[k][both], numbers[following][both], turn, edges)
-        if k >= len(STEPS) // 2:
+        if k >= len(steps) // 2:
             continue  # the same steps backwards
-        for layer in (k, k + len(STEPS) // 2):
+        for layer in (k, k + len(steps) // 2):
             here, there = _shifted(free.shape[1:], dx, dy)
             both = free[layer][here] & free[layer][there]
             seconds = CELL * math.hypot(dx, dy) / drive.max_linear_velocity

@@ -7,14 +7,11 @@ from mr_grid import Pose
 from mr_sim.closed_loop import SUCCEEDED, ClosedLoop, Robot
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.scenes import Scene, draw
-from mr_sim.world_model import load_world
-from mr_sim.worlds import find_world
+from mr_sim.worlds import robot_named
 
 SETTLED = 2.5  # s until there is a map
 PATIENCE, SLOWEST = 20.0, 0.1  # s and m/s: a goal not reached within PATIENCE + way / SLOWEST counts as stuck
 PIONEER = "pioneer"
-MODEL_WORLDS = {PIONEER: "office26x15", "turtlebot": "office26x15_turtlebots"}
-"""Kinds of robots, with a world whose first robot is one."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +88,8 @@ class _Errands:
 
 
 def run_seed(seed: int, kind: str = PIONEER) -> SceneRun:
-    """Draws the scene of a seed and runs it. `kind`: of all its robots, one of `MODEL_WORLDS`."""
-    return run(draw(seed, load_world(find_world(MODEL_WORLDS[kind])).robots[0]))
+    """Draws the scene of a seed and runs it. `kind`: of all its robots, as `robot_named` takes it, with its errors."""
+    return run(draw(seed, robot_named(kind)))
 
 
 def run(scene: Scene) -> SceneRun:
