@@ -36,6 +36,7 @@ class Horizon:
     def __init__(self, duration: float) -> None: ...
 
 class Agility:
+    linear: float
     def __init__(self, limits: Limits) -> None: ...
 
 def march(

@@ -12,6 +12,7 @@ from usual_robot import navigation_with
 from mr_grid import OccupancyGrid, Pose
 from mr_robot import _navigation
 from mr_robot.navigation import engine
+from mr_robot.navigation import follower as follower_module
 from mr_robot.navigation.arrivals import Arrivals
 from mr_robot.navigation.clock import Clock
 from mr_robot.navigation.command import GivenUp
@@ -413,6 +414,21 @@ def test_who_may_have_followed_is_asked_for_manoeuvres_only() -> None:
     assert follower.follow(0.0, way, Pose(1.0, 2.0, 0.0), hazards, stuck=False) and not asked
     follower.follow(0.1, way, Pose(1.0, 2.0, 0.0), hazards, stuck=True)
     assert asked
+
+
+def test_a_robot_at_speed_brakes_before_it_plans_a_manoeuvre(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was planned for a robot that stands: one of a metre came 0.4 m farther, and back, before it began."""
+    options = navigation_with(max_linear_velocity=1.0)
+    way = plan(CostMap(room(), options), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (3.0, 2.0), 0.5)
+    assert way is not None
+    motion, planned_at = Motion(options), []
+    monkeypatch.setattr(follower_module, "plan_manoeuvre", lambda *_: planned_at.append(motion.velocity[0]))
+    follower, pose, motion.velocity = Follower(motion, options), Pose(1.0, 2.0, 0.0), (0.9, 0.0)
+    hazards = Hazards(np.array([(1.9, 2.0, 0.0, 0.0)]), nobody)
+    for step in range(8):
+        motion.velocity = follower.follow(0.1 * step, way, pose, hazards, stuck=True) or STOP
+        pose = pose.compose(Pose(0.1 * motion.velocity[0], 0.0, 0.1 * motion.velocity[1]))
+    assert planned_at and planned_at[0] <= 0.25
 
 
 def test_a_manoeuvre_slows_down_where_it_would_turn_too_far() -> None:

@@ -159,7 +159,7 @@ py::tuple choose_velocity(const Floats& cost, double resolution, const Pair& ori
   const Field field = to_field(cost, resolution, origin, goal);
   const Choice choice = choose(field, to_pose(pose), {velocity.first, velocity.second}, to_obstacles(obstacles), limits,
                                footprint, horizon, period);
-  return py::make_tuple(choice.found, choice.velocity.linear, choice.velocity.angular, choice.time, choice.clearance);
+  return py::make_tuple(choice.found, choice.velocity.linear, choice.velocity.angular, choice.gained, choice.clearance);
 }
 
 }  // namespace
@@ -272,8 +272,10 @@ PYBIND11_MODULE(_navigation, module) {
   module.def("choose_velocity", &choose_velocity, py::arg("cost"), py::arg("resolution"), py::arg("origin"),
              py::arg("goal"), py::arg("pose"), py::arg("velocity"), py::arg("obstacles"), py::arg("limits"),
              py::arg("footprint"), py::arg("horizon"), py::arg("period"),
-             "(found, linear, angular, seconds to the goal, clearance).");
-  py::class_<Agility>(module, "Agility").def(py::init<const Limits&>(), py::arg("limits"));
+             "(found, linear, angular, seconds gained, clearance).");
+  py::class_<Agility>(module, "Agility")
+      .def(py::init<const Limits&>(), py::arg("limits"))
+      .def_readonly("linear", &Agility::linear);
   module.def(
       "manoeuvre",
       [](const Floats& cost, const Bytes& cells, double resolution, const Pair& origin, const Pair& goal,

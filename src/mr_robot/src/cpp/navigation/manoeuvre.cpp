@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <queue>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "body.hpp"
@@ -18,7 +19,8 @@ constexpr double kCell = 0.5 * kStep;       // m, so that each motion leaves its
 constexpr double kTight = 2.0 * kTouching;  // m to obstacles, less than which costs
 constexpr double kTightCost = 2.0;          // times the time, with none left or to turn where there is no room for it
 constexpr double kUnknownCost = 10.0;       // times the time, to back over what the map does not show
-constexpr std::size_t kMostNodes = 6000;
+constexpr double kNodesPerCell = 20.0;      // of the square that is as long as the search reaches
+constexpr double kMostNodes = 20000.0;
 constexpr double kCurvature = 2.0;  // rad/m
 
 struct Node {
@@ -62,7 +64,8 @@ class Search {
   std::vector<Waypoint> run() {
     nodes_.push_back({start_, 0.0, 0.0, 0.0, 0.0, -1});
     open_.push({left(start_), 0});
-    while (!open_.empty() && nodes_.size() < kMostNodes) {
+    const double most = std::min(kMostNodes, kNodesPerCell * reach_ * reach_ / (kCell * kCell));
+    while (!open_.empty() && static_cast<double>(nodes_.size()) < most) {
       const Open next = open_.top();
       open_.pop();
       if (next.total >= best_total_) break;
@@ -83,12 +86,16 @@ class Search {
     return (std::isfinite(start_cost_) ? start_cost_ * field_.resolution + 2.0 * reach_ : 0.0) / agility_.limits.linear;
   }
 
-  static std::uint64_t key(const Pose& pose, double direction) {
+  static std::uint64_t place_of(const Pose& pose) {
     const auto x = static_cast<std::int64_t>(std::floor(pose.x / kCell)) & 0xFFFFF;
     const auto y = static_cast<std::int64_t>(std::floor(pose.y / kCell)) & 0xFFFFF;
+    return static_cast<std::uint64_t>((x << 20) | y);
+  }
+
+  static std::uint64_t key(const Pose& pose, double direction) {
     const auto heading = static_cast<std::int64_t>(std::lround(pose.yaw * kHeadings / (2.0 * M_PI))) & (kHeadings - 1);
     const std::int64_t way = direction < 0.0 ? 0 : 1;
-    return static_cast<std::uint64_t>((x << 28) | (y << 8) | (heading << 1) | way);
+    return (place_of(pose) << 8) | static_cast<std::uint64_t>((heading << 1) | way);
   }
 
   // Whether the way may end there, and if it is the best end.
@@ -96,10 +103,9 @@ class Search {
     const Node& node = nodes_[index];
     const bool roomy = body_.roomy(node.pose);
     const double off = std::hypot(node.pose.x - start_.x, node.pose.y - start_.y);
-    const double at_goal = std::hypot(node.pose.x - field_.goal.x, node.pose.y - field_.goal.y);
     if (roomy && !starts_roomy_ && roomiest_ < 0) roomiest_ = index;
-    const bool ends = roomy ? !starts_roomy_ || node.way >= 2.0 * kStep : off >= reach_ - kStep || at_goal < kStep;
-    if (!ends || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
+    const bool ends = roomy ? !starts_roomy_ || node.way >= 2.0 * kStep : off >= reach_ - kStep || at_goal(node.pose);
+    if (!ends || (roomy && !leads_on(node.pose)) || !std::isfinite(cost_at(field_, node.pose.x, node.pose.y))) return;
     double total = node.price + left(node.pose);
     if (const auto direction = downhill(field_, node.pose.x, node.pose.y)) {
       const double error = std::abs(mr_grid::normalized(*direction - node.pose.yaw));
@@ -109,6 +115,25 @@ class Search {
     best_total_ = total;
     best_ = index;
   }
+
+  // Whether the body fits all along the field from there on, as far as things are known, if it heads where it drives.
+  // Else it would only come back to where it cannot get on.
+  bool leads_on(const Pose& from) {
+    const auto [known, first] = onward_.try_emplace(place_of(from), true);
+    if (!first) return known->second;
+    Pose pose = from;
+    const int most = static_cast<int>(4.0 * reach_ / kStep);  // steps; a field may have a hollow between its cells
+    for (int step = 0; step < most && distance({pose.x, pose.y}, {start_.x, start_.y}) < reach_; ++step) {
+      if (at_goal(pose)) break;
+      const auto direction = downhill(field_, pose.x, pose.y);
+      if (!direction) break;
+      pose = along({pose.x, pose.y, *direction}, kStep, 0.0);
+      if (body_.clearance(pose) < least_) return known->second = false;
+    }
+    return true;
+  }
+
+  bool at_goal(const Pose& pose) const { return std::hypot(pose.x - field_.goal.x, pose.y - field_.goal.y) < kStep; }
 
   void expand(std::int32_t index) {
     for (const double direction : {1.0, -1.0}) {
@@ -194,6 +219,7 @@ class Search {
   std::vector<Node> nodes_;
   std::priority_queue<Open> open_;
   std::unordered_set<std::uint64_t> visited_;
+  std::unordered_map<std::uint64_t, bool> onward_;  // by place, whether it leads on
   std::int32_t best_ = -1, roomiest_ = -1;
   double best_total_ = std::numeric_limits<double>::infinity();
 };

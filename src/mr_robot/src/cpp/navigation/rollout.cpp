@@ -206,7 +206,7 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
   // Whether a motion touches something takes longest to find out, and how it would head long: the best ones are asked
   // first.
   std::priority_queue open(std::greater<>{}, std::move(candidates));
-  Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, false};
+  Choice best{{0.0, 0.0}, {0.0, 0.0}, kUnreached, 0.0, 0.0, false};
   const Clearance at_start = clearance(pose, 0.0, obstacles, footprint);
   std::vector<Pose> poses;
   while (!open.empty()) {
@@ -228,6 +228,8 @@ Choice choose(const Field& field, const Pose& pose, const Velocity& velocity, co
     best.found = true;
     break;
   }
+  const End here{pose};
+  best.gained = time_left(field, here, limits, horizon) + time_to_turn(field, here, limits) - best.time;
   best.velocity = {approach(velocity.linear, best.target.linear, limits.linear_acceleration * period),
                    approach(velocity.angular, best.target.angular, limits.angular_acceleration * period)};
   return best;

@@ -57,6 +57,7 @@ struct Choice {
   Velocity velocity;  // to command now
   Velocity target;    // what the motion ramps to
   double time;        // s to the goal by this motion
+  double gained;      // s less than where the robot stands, when the motion has ended
   double clearance;   // m, least distance of the footprint from obstacles on the way, less their margins
   bool found;
 };

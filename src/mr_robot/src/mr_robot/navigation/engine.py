@@ -180,12 +180,12 @@ class Navigator:
         if self.mode is Mode.GIVE_WAY:
             return self._give_way(now, pose, costs, hazards)
         if self.mode is Mode.WAIT and (now < self._mode_until or self._lets_pass(now, pose)):
-            return self._brake()
+            return self._brake(pose, hazards.obstacles)
         if self.mode is Mode.WAIT:
             self._drive_on(now)
         self._route.update(now, pose, costs, self._surroundings.moving_points(pose))
         if self._route.plan is None:
-            return self._brake()
+            return self._brake(pose, hazards.obstacles)
         return self._drive(now, pose, costs, self._route.plan, hazards)
 
     def _drive(self, now: float, pose: Pose, costs: CostMap, way: Plan, hazards: Hazards) -> Command:
@@ -198,7 +198,7 @@ class Navigator:
         velocity = self._follow(now, way, pose, hazards, standing > STANDING, slack)
         drives = velocity is not None and abs(velocity[0]) + PROGRESS * abs(velocity[1]) > CREEPING
         if self._held(now, pose, drives and now - self._route.nearer_at < STANDING):
-            return self._begin_to_give_way(now, pose, costs)
+            return self._begin_to_give_way(now, pose, costs, hazards)
         if now - self._route.progress_at > self.options.blocked_timeout:
             hint = "" if self._blocker(pose) is None else "; an obstacle that is not in the map is near"
             raise GivenUp(f"stuck at ({pose[0]:.2f}, {pose[1]:.2f}): no progress{hint}")
@@ -217,7 +217,7 @@ class Navigator:
         rate = min(self.options.max_angular_velocity, math.sqrt(2.0 * abs(error)))
         target = (0.0, math.copysign(rate, error))
         if not self._motion.is_clear(pose, obstacles, target):
-            return self._brake()
+            return self._brake(pose, obstacles)
         return Command(*self._motion.towards(target), Status.ACTIVE)
 
     def _follow(
@@ -234,8 +234,8 @@ class Navigator:
             self._route.progress_at = now
         return velocity
 
-    def _brake(self) -> Command:
-        return Command(*self._motion.brake(), Status.ACTIVE)
+    def _brake(self, pose: Pose, obstacles: np.ndarray) -> Command:
+        return Command(*self._motion.brake_clear(self._motion.brake(), pose, obstacles), Status.ACTIVE)
 
     # --- giving way ---------------------------------------------------------------------------------------------------
 
@@ -247,22 +247,22 @@ class Navigator:
     def _blocker(self, pose: Pose) -> Optional[Point]:
         return self._surroundings.blocker(pose, self._route.closed)
 
-    def _begin_to_give_way(self, now: float, pose: Pose, costs: CostMap) -> Command:
+    def _begin_to_give_way(self, now: float, pose: Pose, costs: CostMap, hazards: Hazards) -> Command:
         self._held_up.clear()
         self.mode = Mode.GIVE_WAY
         self._held_up.gave_way(now)
         self._gives_way_since = now
         self._mode_until = now + self.options.blocked_timeout
-        return self._retreat_anew(now, pose, costs)
+        return self._retreat_anew(now, pose, costs, hazards)
 
-    def _retreat_anew(self, now: float, pose: Pose, costs: CostMap) -> Command:
+    def _retreat_anew(self, now: float, pose: Pose, costs: CostMap, hazards: Hazards) -> Command:
         blocker = self._blocker(pose)
         way = None
         if blocker is not None:
             way = find_retreat(costs, self._surroundings.moving_points(pose), pose, blocker)
         self._retreat = None if way is None else Retreat(way, now)
         self._follower.drop_manoeuvre()
-        return self._brake()
+        return self._brake(pose, hazards.obstacles)
 
     def _give_way(self, now: float, pose: Pose, costs: CostMap, hazards: Hazards) -> Command:
         retreat = self._retreat
@@ -271,12 +271,14 @@ class Navigator:
             self.mode = Mode.WAIT
             self._follower.drop_manoeuvre()
             self._mode_until = now + self._held_up.pause()
-            return self._brake()
+            return self._brake(pose, hazards.obstacles)
         if not retreat.leads_on(now):
-            return self._retreat_anew(now, pose, costs)
+            return self._retreat_anew(now, pose, costs, hazards)
         velocity = self._follow(now, retreat.way, pose, hazards, now - self._moved_at > self.options.yield_patience)
         retreat.advance(now, pose, self._follower.gained_room)
-        return self._brake() if velocity is None else Command(*velocity, Status.ACTIVE)
+        if velocity is None:
+            return self._brake(pose, hazards.obstacles)
+        return Command(*velocity, Status.ACTIVE)
 
     def _lets_pass(self, now: float, pose: Pose) -> bool:
         """Whether a robot with the right of way is still near the one that made room for it."""

@@ -45,9 +45,12 @@ class Follower:
         `slack`: m nearer than now that a manoeuvre may lead to what the robot may touch already."""
         tight = bare(hazards.obstacles, self._options.obstacle_margin)
         self.gained_room = False
-        wanted = self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck)
+        wanted = self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, hazards, tight, stuck)
         if wanted or self._manoeuvre is not None:
             tight = np.concatenate([tight, bare(hazards.followers(), self._options.obstacle_margin)])
+        if wanted and abs(self._motion.velocity[0]) > self._motion.agility.linear:
+            # It would be elsewhere before it drives as planned.
+            return self._motion.brake_clear(self._motion.towards(STOP), pose, tight)
         if wanted:
             self._planned_at = now
             self._manoeuvre = plan_manoeuvre(
@@ -58,7 +61,7 @@ class Follower:
             if target is not None:
                 velocity = self._slowed(pose, tight, target, slack)
                 if velocity is None:
-                    self._manoeuvre = None
+                    self.plan_anew()
                 return self._motion.towards(velocity or STOP)
             self._manoeuvre = None
             self.gained_room = True
@@ -75,7 +78,9 @@ class Follower:
             pace *= 0.5
         return None
 
-    def _wants_manoeuvre(self, now: float, way: Plan, pose: Pose, tight: np.ndarray, stuck: bool) -> bool:
+    def _wants_manoeuvre(
+        self, now: float, way: Plan, pose: Pose, hazards: Hazards, tight: np.ndarray, stuck: bool
+    ) -> bool:
         if now - self._planned_at < self._options.plan_period:
             return False
         if stuck:
@@ -85,4 +90,4 @@ class Follower:
         if _navigation.clearance(pose, tight, self._motion.footprint) < _navigation.TOUCHING:
             return True
         off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose)
-        return abs(off) > LEAST_TURN
+        return abs(off) > LEAST_TURN and not self._motion.gets_on(way, pose, hazards.obstacles)

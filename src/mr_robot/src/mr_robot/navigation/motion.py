@@ -4,14 +4,14 @@ Among the motions that the robot can make in the next period (Fox, Burgard and T
 collision avoidance, 1997), the one after which the plan's cost to go leaves the least time.
 """
 
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 
 from mr_grid import Pose
 from mr_robot import _navigation
 from mr_robot.navigation.command import Velocity
-from mr_robot.navigation.options import NavigationOptions, Scan
+from mr_robot.navigation.options import PROGRESS, NavigationOptions, Scan
 from mr_robot.navigation.planner import Plan
 
 LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
@@ -31,6 +31,7 @@ class Motion:
             options.linear_acceleration,
             options.angular_acceleration,
         )
+        self.agility = _navigation.Agility(self.limits)
 
     def see(self, scan: Scan) -> None:
         """No bend is sharper than the robot can look into."""
@@ -38,14 +39,22 @@ class Motion:
 
     def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Velocity]:
         """None where nothing is safe, not even to brake gently."""
+        found, linear, angular, _, _ = self._choice(way, pose, obstacles)
+        return (linear, angular) if found else None
+
+    def gets_on(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> bool:
+        """Whether a motion along the way leads nearer to its goal."""
+        found, _, _, gained, _ = self._choice(way, pose, obstacles)
+        return found and gained * self._options.max_linear_velocity > PROGRESS
+
+    def _choice(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Tuple[bool, float, float, float, float]:
         horizon = _navigation.Horizon(self._options.horizon)
         tolerance = self._options.xy_goal_tolerance
         horizon.goal_radius = max(tolerance - _navigation.TOUCHING, 0.5 * tolerance)
-        found, linear, angular, _, _ = _navigation.choose_velocity(
+        return _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, self.velocity, obstacles,
             self.limits, self.footprint, horizon, self._options.controller_period,
         )  # fmt: skip
-        return (linear, angular) if found else None
 
     def is_clear(
         self,
@@ -72,7 +81,7 @@ class Motion:
         return self.velocity
 
     def brake_clear(self, velocity: Velocity, pose: Pose, obstacles: np.ndarray) -> Velocity:
-        """Of a robot without a goal, which brakes on the curve that it was on: at once where that touches something."""
+        """Of a robot that brakes on the curve that it was on: at once where that touches something."""
         tight = bare(obstacles, self._options.obstacle_margin)
         self.velocity = velocity
         if not self.is_clear(pose, tight, STOP, self._options.braking_time):
