@@ -70,6 +70,7 @@ class Follower:
     def _slowed(self, pose: Pose, tight: np.ndarray, target: Velocity, slack: float) -> Optional[Velocity]:
         """The target, as slow as it has to be to be clear: what was planned ends sooner than what is looked at. None
         where it touches something at the slowest pace, too."""
+        slack = max(slack, 0.5 * _navigation.TOUCHING)  # poses and scans are no more exact than that
         pace = 1.0
         while pace >= SLOWEST_PACE:
             velocity = (pace * target[0], pace * target[1])
