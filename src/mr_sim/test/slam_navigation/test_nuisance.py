@@ -114,7 +114,7 @@ def test_a_scene_runs() -> None:
     assert len(run.goals) == 3 and all(0.95 < goal.seconds / goal.ideal < 2.2 for goal in run.goals)
 
 
-@pytest.mark.parametrize("seed", [37, 93, 117])
+@pytest.mark.parametrize("seed", [37, 93])
 def test_robots_that_meet_in_a_corridor_pass(seed: int) -> None:
     """Both gave way at once and came back at once; or one dithered where it could not turn, or gave up a goal that it
     came nearer to all the time."""
