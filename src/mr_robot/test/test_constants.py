@@ -12,7 +12,7 @@ from mr_robot.navigation.options import CREEPING
 ROOT = Path(__file__).parents[1]
 # Of tables, searches and numerics: whatever they are, the robot drives alike.
 BOUNDS = {
-    "FEEDBACK_PERIOD", "MOST_ROTATION", "REMEMBERED_LIMIT", "kHeadings", "kStep", "kMostNodes",
+    "FEEDBACK_PERIOD", "MOST_ROTATION", "REMEMBERED_LIMIT", "kHeadings", "kStep", "kMostNodes", "kNodesPerCell",
     "kPerCost", "kTurns", "SQUARES_KEPT",
 }  # fmt: skip
 
