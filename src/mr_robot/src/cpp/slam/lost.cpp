@@ -3,14 +3,15 @@
 namespace mr_robot::slam {
 namespace {
 
-constexpr double kAstray = 1.0;        // m or rad, and
-constexpr int kAstrayScans = 10;       // of a slow laser, few of which may not fit
-constexpr double kNextSearch = 0.75;   // m or rad from one search to the next
-constexpr double kLongestWay = 20.0;   // m that are drawn on one map
-constexpr double kDrawDistance = 0.1;  // m, and
-constexpr double kDrawAngle = 0.087;   // rad between scans that are drawn,
-constexpr double kKeepApart = 0.3;     // m or rad, and kept
-constexpr int kMostContradicted = 5;   // scans in a row: the own map is wrong
+constexpr double kAstray = 1.0;         // m or rad, and
+constexpr int kAstrayScans = 10;        // of a slow laser, few of which may not fit
+constexpr double kNextSearch = 0.75;    // m or rad from one search to the next
+constexpr double kLongestWay = 20.0;    // m that are drawn on one map
+constexpr double kDrawDistance = 0.1;   // m, and
+constexpr double kDrawAngle = 0.087;    // rad between scans that are drawn,
+constexpr double kKeepApart = 0.3;      // m or rad, and kept
+constexpr std::size_t kMostSeen = 150;  // of these scans: a robot may turn on the spot for good
+constexpr int kMostContradicted = 5;    // scans in a row: the own map is wrong
 constexpr std::size_t kLeastSurfaces = 100;
 constexpr double kCarried = 5.0;  // m that a robot is carried: copies of rooms, where it has not been, are farther
 
@@ -45,7 +46,7 @@ void Lost::draw(const Scan& scan) {
 
 void Lost::add(const Scan& scan, const Pose& motion, const Pose& deviation) {
   ++scans_;
-  if (!own_ || way_.distance > kLongestWay) return begin_anew(scan);
+  if (!own_ || way_.distance > kLongestWay || seen_.size() >= kMostSeen) return begin_anew(scan);
   way_.distance += std::hypot(motion.x, motion.y);
   way_.turn += std::abs(motion.yaw);
   astray_ |= scans_ >= kAstrayScans && (way_.distance >= kAstray || way_.turn >= kAstray);

@@ -26,7 +26,8 @@ constexpr double kMostOld = 0.8;            // of the hits, on what was drawn lo
 constexpr double kFarthestLoop = 5.0;       // m at most, within which a loop is looked for on a map of its own,
 constexpr double kFarLoopTurn = 0.2;        // rad, and what is beside it:
 constexpr double kBesideLoop = 8.0;         // m
-constexpr double kFarLately = 8.0;          // m of way that are compared with that
+constexpr double kFarLately = 8.0;          // m of way that are compared with that,
+constexpr std::size_t kMostLately = 60;     // keyframes at most: a robot may turn on the spot for good
 constexpr std::size_t kEveryOldScan = 3;    // of the scans of a keyframe, that are drawn for it, and
 constexpr int kOldAtOnce = 4;               // with each scan that comes
 constexpr double kSameLoop = 0.15;          // m within which two keyframes say the same
@@ -60,8 +61,7 @@ Memory::Memory(const GridOptions& grid, const ScanOptions& options, Journal* jou
     : grid_(grid), options_(options), journal_(journal) {}
 
 bool Memory::due(const Pose& pose) const {
-  return keyframes_.empty() || returns_ || distance(keyframes_.back().drawn, pose) >= kKeyframeDistance ||
-         std::abs(normalized(pose.yaw - keyframes_.back().drawn.yaw)) >= kKeyframeAngle;
+  return keyframes_.empty() || returns_ || apart(keyframes_.back().drawn, pose, kKeyframeDistance, kKeyframeAngle);
 }
 
 int Memory::origin(const Pose& pose) const { return static_cast<int>(keyframes_.size()) - (due(pose) ? 0 : 1); }
@@ -171,14 +171,7 @@ void Memory::draw(GridMap* map) const {
 }
 
 // Whether surfaces of long ago tell the position of a scan, in every direction.
-bool Memory::told_long_ago(const Match& match) const {
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  for (const auto& [origin, evidence] : match.origins) {
-    if (origin <= long_ago_) information += evidence.information.topLeftCorner<2, 2>();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(information, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()(0) * kMoved * kMoved > 1.0;
-}
+bool Memory::told_long_ago(const Match& match) const { return tells_place(match, long_ago_); }
 
 // `returns`: of what was drawn lately, which is not where the robot is, some may be hit by chance.
 void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor,
@@ -260,7 +253,7 @@ void Memory::close_loop(const OdometryModel& model, const MatchOptions& options)
   const Keyframe& last = keyframes_.back();
   go_on(last.way.distance);
   if (long_ago_ < 0) return;
-  const double drift = 3.0 * model.deviation_of_way({last.way.distance, 0.0}).x;
+  const double drift = kDrift * model.deviation_of_way({last.way.distance, 0.0}).x;
   const double window = std::clamp(drift, kLeastWindow, kLoopWindow.x);
   const auto match =
       match_old(drawn_around(last.drawn), lately(), last.drawn, {window, window, kLoopWindow.yaw}, options);
@@ -271,7 +264,7 @@ void Memory::close_loop(const OdometryModel& model, const MatchOptions& options)
   if (here || same) link_by_scan(keyframes_.size() - 1, match->pose, *match, kLoopFloor);
   if (same && !here) solved_ = 0;
   if ((here || same) && tells_place(*match)) anchored_ = last.way.distance;
-  const double since = 3.0 * model.deviation_of_way({last.way.distance - anchored_, 0.0}).y;
+  const double since = kDrift * model.deviation_of_way({last.way.distance - anchored_, 0.0}).y;
   if (since < kLoopWindow.x) {
     far_loop_.reset();
   } else if (!far_loop_) {
@@ -288,6 +281,7 @@ std::vector<Scan> Memory::seen_lately(std::size_t keyframe) const {
   std::vector<Scan> scans;
   const double now = keyframes_.back().way.distance;
   for (auto at = keyframes_.rbegin(); at != keyframes_.rend() && now - at->way.distance <= kFarLately; ++at) {
+    if (scans.size() == kMostLately) break;
     const Kept& kept = at->scans.front();
     scans.push_back(seen_from(between(keyframes_[keyframe].drawn, at->drawn * kept.relative), scan_of(kept)));
   }

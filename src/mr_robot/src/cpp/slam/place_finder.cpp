@@ -19,10 +19,6 @@ double on(const Match& match) { return match.share * match.known; }
 
 }  // namespace
 
-bool apart(const Pose& a, const Pose& b, double distance_apart, double angle) {
-  return distance(a, b) >= distance_apart || std::abs(normalized(a.yaw - b.yaw)) >= angle;
-}
-
 bool fits_well(const Match& match) { return on(match) >= kLeastOn && match.share >= kLeastShare; }
 
 Scan seen_from(const Pose& place, const Scan& scan) {

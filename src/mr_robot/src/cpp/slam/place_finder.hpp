@@ -13,7 +13,6 @@ namespace mr_robot::slam {
 
 // What a scan saw from `place`, in the frame that this is given in, for `match_place`.
 Scan seen_from(const Pose& place, const Scan& scan);
-bool apart(const Pose& a, const Pose& b, double distance_apart, double angle);
 // Whether it is there by what the scans say, if it is known that it must be about there.
 bool fits_well(const Match& match);
 

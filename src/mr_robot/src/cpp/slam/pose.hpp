@@ -13,4 +13,9 @@ using mr_grid::Pose;
 
 inline double distance(const Pose& a, const Pose& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
+// `most`, m, and `angle`, rad.
+inline bool apart(const Pose& a, const Pose& b, double most, double angle) {
+  return distance(a, b) >= most || std::abs(normalized(a.yaw - b.yaw)) >= angle;
+}
+
 }  // namespace mr_robot::slam
