@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 namespace mr_robot::slam {
@@ -14,10 +13,6 @@ constexpr int kSolveEvery = 3;              // keyframes
 constexpr int kSolutionSteps = 8;           // of a solution, one with each scan that comes, and
 constexpr int kClosingSteps = 30;           // of one that moves much
 constexpr std::size_t kMostLinks = 8;       // of a keyframe to others, by scans
-constexpr double kLately = 3.0;             // m of way that are compared with what was drawn long ago
-constexpr long kMostAround = 40;            // keyframes, and
-constexpr double kNearHere = 10.0;          // m from here, that say what was drawn long ago
-constexpr double kLoopWay = 15.0;           // m since what was drawn long ago
 constexpr Pose kLoopWindow{1.0, 1.0, 0.1};  // m and rad at most, within which a loop is closed
 constexpr double kLeastWindow = 0.3;        // m
 constexpr double kDrift = 3.0;              // deviations by which a way may have drifted,
@@ -26,17 +21,11 @@ constexpr double kMostOld = 0.8;            // of the hits, on what was drawn lo
 constexpr double kFarthestLoop = 5.0;       // m at most, within which a loop is looked for on a map of its own,
 constexpr double kFarLoopTurn = 0.2;        // rad, and what is beside it:
 constexpr double kBesideLoop = 8.0;         // m
-constexpr double kFarLately = 8.0;          // m of way that are compared with that,
-constexpr std::size_t kMostLately = 60;     // keyframes at most: a robot may turn on the spot for good
-constexpr std::size_t kEveryOldScan = 3;    // of the scans of a keyframe, that are drawn for it, and
 constexpr int kOldAtOnce = 4;               // with each scan that comes
 constexpr double kSameLoop = 0.15;          // m within which two keyframes say the same
 constexpr double kMoved = 0.03;             // m that a keyframe has moved before the map is drawn anew
 constexpr double kTurned = 0.005;           // rad
-constexpr double kMostCells = 64e6;         // of a map that is recalled
 constexpr std::size_t kMostScans = 20'000;  // beyond, the map stays as it is
-constexpr double kDrawnAtOnce = 60'000.0;   // m of beams that are drawn anew with each scan that comes, and
-constexpr int kScansAtOnce = 100;           // scans
 
 const Eigen::Matrix3d kFloor = Eigen::Vector3d(1e-4, 1e-4, 4e-6).asDiagonal();          // covariance of the best match
 const Eigen::Matrix3d kLoopFloor = Eigen::Vector3d(2.5e-3, 2.5e-3, 4e-5).asDiagonal();  // of one that closes a loop
@@ -58,7 +47,7 @@ Eigen::Matrix3d seen_from(const Pose& frame, const Eigen::Matrix3d& information)
 }  // namespace
 
 Memory::Memory(const GridOptions& grid, const ScanOptions& options, Journal* journal)
-    : grid_(grid), options_(options), journal_(journal) {}
+    : grid_(grid), journal_(journal), keyframes_(grid, options) {}
 
 bool Memory::due(const Pose& pose) const {
   return keyframes_.empty() || returns_ || apart(keyframes_.back().drawn, pose, kKeyframeDistance, kKeyframeAngle);
@@ -66,33 +55,20 @@ bool Memory::due(const Pose& pose) const {
 
 int Memory::origin(const Pose& pose) const { return static_cast<int>(keyframes_.size()) - (due(pose) ? 0 : 1); }
 
-Scan Memory::scan_of(const Kept& kept) const {
-  return make_scan(kept.ranges.data(), kept.ranges.size(), kept.geometry, options_);
-}
-
 bool Memory::add(const std::vector<float>& ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose,
                  const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match) {
   if (scans_ == kMostScans) return false;
   ++scans_;
   const bool opens = due(pose);
   if (opens) open(pose, odometry, way, model, match);
-  keep(ranges, scan, geometry, pose);
+  keyframes_.keep(ranges, scan, geometry, pose);
   if (journal_->kept()) journal_->write(JournalScan{opens, pose, odometry, way, geometry, ranges});
   return opens;
 }
 
-void Memory::keep(std::vector<float> ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose) {
-  Keyframe& keyframe = keyframes_.back();
-  const Pose relative = between(keyframe.drawn, pose);
-  keyframe.scans.push_back({std::move(ranges), geometry, relative});
-  keyframe.hits.add(scan, relative);
-  keyframe.edges.add(scan, relative, options_.small_object_size);
-  keyframe.walls.add(scan, relative.yaw);
-}
-
 void Memory::open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model,
                   const Match& match) {
-  keyframes_.push_back({pose, odometry, way, {}, {}, {}, {}});
+  keyframes_.open(pose, odometry, way);
   const std::size_t next = keyframes_.size() - 1;
   join(next, model, returns_);
   if (next == 0) return;
@@ -125,9 +101,9 @@ void Memory::join(std::size_t next, const OdometryModel& model, bool drifted) {
 
 void Memory::recall(JournalScan scan) {
   if (!scan.opens && keyframes_.empty()) return;
-  if (scan.opens) keyframes_.push_back({scan.pose, scan.odometry, scan.way, {}, {}, {}, {}});
-  const Scan seen = make_scan(scan.ranges.data(), scan.ranges.size(), scan.geometry, options_);
-  keep(std::move(scan.ranges), seen, scan.geometry, scan.pose);
+  if (scan.opens) keyframes_.open(scan.pose, scan.odometry, scan.way);
+  const Scan seen = keyframes_.scan_of(scan.ranges, scan.geometry);
+  keyframes_.keep(std::move(scan.ranges), seen, scan.geometry, scan.pose);
   ++scans_;
 }
 
@@ -138,7 +114,7 @@ void Memory::recall(std::vector<JournalEntry> entries, GridMap* map, const Odome
     if (const auto* link = std::get_if<JournalLink>(&entry)) links.push_back(*link);
     if (const auto* moved = std::get_if<JournalPoses>(&entry)) {
       const std::size_t count = std::min(moved->poses.size(), keyframes_.size());
-      for (std::size_t i = 0; i < count; ++i) keyframes_[i].drawn = moved->poses[i];
+      for (std::size_t i = 0; i < count; ++i) keyframes_.move(i, moved->poses[i]);
     }
   }
   for (std::size_t i = 0; i < keyframes_.size(); ++i) join(i, model);
@@ -147,38 +123,18 @@ void Memory::recall(std::vector<JournalEntry> entries, GridMap* map, const Odome
       graph_.link(link.from, link.to, link.relative, link.information);
   }
   solved_ = keyframes_.size();
-  draw(map);
-}
-
-void Memory::draw(GridMap* map) const {
-  Pose low, high;
-  for (const Keyframe& keyframe : keyframes_) {
-    const double reach = keyframe.hits.reach();
-    low = {std::min(low.x, keyframe.drawn.x - reach), std::min(low.y, keyframe.drawn.y - reach), 0.0};
-    high = {std::max(high.x, keyframe.drawn.x + reach), std::max(high.y, keyframe.drawn.y + reach), 0.0};
-  }
-  if ((high.x - low.x) * (high.y - low.y) > kMostCells * grid_.resolution * grid_.resolution) {
-    throw std::length_error("the map would have too many cells");
-  }
-  std::vector<GridMap::Disc> places;
-  for (const Keyframe& keyframe : keyframes_) places.push_back({keyframe.drawn, keyframe.hits.reach()});
-  map->cover(places);
-  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-    for (const Kept& kept : keyframes_[i].scans) {
-      map->insert(scan_of(kept), keyframes_[i].drawn * kept.relative, static_cast<int>(i));
-    }
-  }
+  keyframes_.draw(map);
 }
 
 // Whether surfaces of long ago tell the position of a scan, in every direction.
-bool Memory::told_long_ago(const Match& match) const { return tells_place(match, long_ago_); }
+bool Memory::told_long_ago(const Match& match) const { return tells_place(match, long_ago()); }
 
 // `returns`: of what was drawn lately, which is not where the robot is, some may be hit by chance.
 void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor,
                           bool returns) {
   std::vector<std::pair<int, int>> most;  // hits on surfaces of an origin
   for (const auto& [origin, evidence] : match.origins) {
-    if (!returns || origin <= long_ago_) most.emplace_back(evidence.hits, origin);
+    if (!returns || origin <= long_ago()) most.emplace_back(evidence.hits, origin);
   }
   std::sort(most.rbegin(), most.rend());
   most.resize(std::min(most.size(), kMostLinks));
@@ -193,53 +149,14 @@ void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match
   }
 }
 
-// What was hit on the last metres, as one scan from the last keyframe.
-Scan Memory::lately() const {
-  const Keyframe& last = keyframes_.back();
-  Scan result;
-  for (auto at = keyframes_.rbegin(); at != keyframes_.rend() && last.way.distance - at->way.distance <= kLately;
-       ++at) {
-    at->hits.append_to(&result, between(last.drawn, at->drawn));
-  }
-  return result;
-}
-
-// The surfaces that were hit long ago from around there.
-GridMap Memory::drawn_around(const Pose& pose) const {
-  std::vector<std::pair<double, int>> nearest;
-  for (int i = 0; i <= long_ago_; ++i) {
-    const double away = distance(keyframes_[i].drawn, pose);
-    if (away <= kNearHere) nearest.emplace_back(away, i);
-  }
-  const auto end = nearest.begin() + std::min<long>(kMostAround, static_cast<long>(nearest.size()));
-  std::partial_sort(nearest.begin(), end, nearest.end());
-  std::sort(nearest.begin(), end, [](const auto& a, const auto& b) { return a.second < b.second; });
-  GridMap map(grid_);
-  std::vector<GridMap::Disc> places;
-  for (auto at = nearest.begin(); at != end; ++at) {
-    places.push_back({keyframes_[at->second].drawn, keyframes_[at->second].hits.reach()});
-  }
-  map.cover(places);
-  for (auto at = nearest.begin(); at != end; ++at) {
-    keyframes_[at->second].hits.draw(&map, keyframes_[at->second].drawn, at->second);
-  }
-  return map;
-}
-
-// The way is now that long.
-void Memory::go_on(double distance) {
-  const int last = static_cast<int>(keyframes_.size()) - 1;
-  while (long_ago_ < last && distance - keyframes_[long_ago_ + 1].way.distance > kLoopWay) ++long_ago_;
-}
-
 bool Memory::returns(const Pose& thought, const Pose& found, const Match& match, const Way& way,
                      const OdometryModel& model) {
-  go_on(way.distance);
+  keyframes_.go_on(way.distance);
   int hits = 0, old = 0;
   double since = 0.0;  // m of way, mean over the hits on what was drawn long ago
   for (const auto& [origin, evidence] : match.origins) {
     hits += evidence.hits;
-    if (origin > long_ago_) continue;
+    if (origin > long_ago()) continue;
     old += evidence.hits;
     since += evidence.hits * (way.distance - keyframes_[origin].way.distance);
   }
@@ -251,12 +168,12 @@ bool Memory::returns(const Pose& thought, const Pose& found, const Match& match,
 
 void Memory::close_loop(const OdometryModel& model, const MatchOptions& options) {
   const Keyframe& last = keyframes_.back();
-  go_on(last.way.distance);
-  if (long_ago_ < 0) return;
+  keyframes_.go_on(last.way.distance);
+  if (long_ago() < 0) return;
   const double drift = kDrift * model.deviation_of_way({last.way.distance, 0.0}).x;
   const double window = std::clamp(drift, kLeastWindow, kLoopWindow.x);
-  const auto match =
-      match_old(drawn_around(last.drawn), lately(), last.drawn, {window, window, kLoopWindow.yaw}, options);
+  const auto match = match_old(keyframes_.drawn_around(last.drawn), keyframes_.lately(), last.drawn,
+                               {window, window, kLoopWindow.yaw}, options);
   const bool here = match && !match->elsewhere;
   const bool same = match && loop_ && distance(*loop_ * last.drawn, match->pose) < kSameLoop;
   loop_.reset();
@@ -270,35 +187,19 @@ void Memory::close_loop(const OdometryModel& model, const MatchOptions& options)
   } else if (!far_loop_) {
     begin_far_loop(std::min(since, kFarthestLoop), options);
   } else if (far_loop_->waits()) {
-    far_loop_->see(seen_lately(far_loop_->keyframe()));
+    far_loop_->see(keyframes_.seen_lately(far_loop_->keyframe()));
   } else if (far_loop_->failed()) {
     far_loop_.reset();
   }
 }
 
-// First scans of the last keyframes, seen from one of them.
-std::vector<Scan> Memory::seen_lately(std::size_t keyframe) const {
-  std::vector<Scan> scans;
-  const double now = keyframes_.back().way.distance;
-  for (auto at = keyframes_.rbegin(); at != keyframes_.rend() && now - at->way.distance <= kFarLately; ++at) {
-    if (scans.size() == kMostLately) break;
-    const Kept& kept = at->scans.front();
-    scans.push_back(seen_from(between(keyframes_[keyframe].drawn, at->drawn * kept.relative), scan_of(kept)));
-  }
-  return scans;
-}
-
 void Memory::begin_far_loop(double drift, const MatchOptions& options) {
   const std::size_t last = keyframes_.size() - 1;
   const Pose& here = keyframes_[last].drawn;
-  to_draw_.clear();
-  for (int i = 0; i <= long_ago_; ++i) {
-    if (distance(keyframes_[i].drawn, here) > 2.0 * drift + kBesideLoop) continue;
-    for (std::size_t scan = 0; scan < keyframes_[i].scans.size(); scan += kEveryOldScan) to_draw_.emplace_back(i, scan);
-  }
+  to_draw_ = keyframes_.old_scans(here, 2.0 * drift + kBesideLoop);
   if (to_draw_.empty()) return;
   far_loop_.emplace(grid_, options, last, here, Pose{drift, drift, kFarLoopTurn});
-  far_loop_->see(seen_lately(last));
+  far_loop_->see(keyframes_.seen_lately(last));
 }
 
 void Memory::close_far_loop() {
@@ -307,7 +208,8 @@ void Memory::close_far_loop() {
     for (int done = 0; done < kOldAtOnce && !to_draw_.empty(); ++done) {
       const auto [keyframe, scan] = to_draw_.back();
       const Kept& kept = keyframes_[keyframe].scans[scan];
-      far_loop_->draw({scan_of(kept), keyframes_[keyframe].drawn * kept.relative, static_cast<int>(keyframe)});
+      far_loop_->draw(
+          {keyframes_.scan_of(kept), keyframes_[keyframe].drawn * kept.relative, static_cast<int>(keyframe)});
       to_draw_.pop_back();
     }
     if (to_draw_.empty()) far_loop_->drawn();
@@ -347,32 +249,9 @@ void Memory::begin_redrawing(const GridMap& map) {
     closing_ = closing_ && solved_ < keyframes_.size();
     return;
   }
-  redrawing_.emplace(Redrawing{GridMap(grid_), {}});
-  redrawing_->map.cover(map);
-  for (std::size_t i = 0; i < keyframes_.size(); ++i) redrawing_->poses.push_back(graph_.pose(i));
-}
-
-// Where a keyframe is on the map that is being drawn.
-Pose Memory::target(std::size_t keyframe) const {
-  const std::vector<Pose>& poses = redrawing_->poses;
-  if (keyframe < poses.size()) return poses[keyframe];
-  const std::size_t last = poses.size() - 1;
-  return poses[last] * between(keyframes_[last].drawn, keyframes_[keyframe].drawn);
-}
-
-// Some scans more. Returns whether that were all.
-bool Memory::redraw() {
-  Redrawing& redrawing = *redrawing_;
-  const double most = redrawing.map.walked() + kDrawnAtOnce;
-  for (int done = 0; done < kScansAtOnce && redrawing.keyframe < keyframes_.size(); ++done) {
-    if (redrawing.map.walked() > most) break;
-    const Keyframe& keyframe = keyframes_[redrawing.keyframe];
-    const Kept& kept = keyframe.scans[redrawing.scan++];
-    redrawing.map.insert(scan_of(kept), target(redrawing.keyframe) * kept.relative,
-                         static_cast<int>(redrawing.keyframe));
-    if (redrawing.scan == keyframe.scans.size()) ++redrawing.keyframe, redrawing.scan = 0;
-  }
-  return redrawing.keyframe == keyframes_.size();
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) poses.push_back(graph_.pose(i));
+  redrawing_.emplace(grid_, map, std::move(poses));
 }
 
 std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryModel& model, bool rests) {
@@ -386,13 +265,13 @@ std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryMo
     }
     return std::nullopt;
   }
-  if (!redraw()) return std::nullopt;
+  if (!redrawing_->step(keyframes_)) return std::nullopt;
   std::vector<Pose> targets;
-  for (std::size_t i = 0; i < keyframes_.size(); ++i) targets.push_back(target(i));
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) targets.push_back(redrawing_->target(keyframes_, i));
   const std::pair<Pose, Pose> change{keyframes_.back().drawn, targets.back()};
-  for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].drawn = targets[i];
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_.move(i, targets[i]);
   journal_->write(JournalPoses{std::move(targets)});
-  *map = std::move(redrawing_->map);
+  *map = std::move(redrawing_->map());
   redrawing_.reset();
   loop_.reset();
   far_loop_.reset();

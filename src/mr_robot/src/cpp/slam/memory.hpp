@@ -5,15 +5,14 @@
 #include <optional>
 #include <vector>
 
-#include "edges.hpp"
 #include "far_loop.hpp"
 #include "grid_map.hpp"
 #include "journal.hpp"
-#include "kept_hits.hpp"
+#include "keyframes.hpp"
 #include "odometry_model.hpp"
 #include "pose_graph.hpp"
+#include "redrawing.hpp"
 #include "scan_matcher.hpp"
-#include "square_walls.hpp"
 
 namespace mr_robot::slam {
 
@@ -30,7 +29,7 @@ class Memory {
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
   // The last of what was drawn long ago; -1: nothing was.
-  int long_ago() const { return long_ago_; }
+  int long_ago() const { return keyframes_.long_ago(); }
   // A scan, made of `ranges`, has entered the map at `pose`, where `match` has put it. `odometry`: without what its
   // wheels slipped. `way`: of the robot since its start. Returns whether that is a new keyframe.
   bool add(const std::vector<float>& ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose,
@@ -50,60 +49,29 @@ class Memory {
   std::optional<std::pair<Pose, Pose>> work(GridMap* map, const OdometryModel& model, bool rests);
 
  private:
-  struct Kept {
-    std::vector<float> ranges;
-    LaserGeometry geometry;  // that of another scan may be another: of two lasers, or of one that does not turn evenly
-    Pose relative;           // to the keyframe
-  };
-  struct Keyframe {
-    Pose drawn;  // where it is on the map
-    Pose odometry;
-    Way way;
-    std::vector<Kept> scans;
-    KeptHits hits;
-    KeptEdges edges;
-    SquareWalls walls;
-  };
-  struct Redrawing {
-    GridMap map;
-    std::vector<Pose> poses;  // of the keyframes that there were when it began
-    std::size_t keyframe = 0, scan = 0;
-  };
-
   void open(const Pose& pose, const Pose& odometry, const Way& way, const OdometryModel& model, const Match& match);
   void join(std::size_t next, const OdometryModel& model, bool drifted = false);
-  void keep(std::vector<float> ranges, const Scan& scan, const LaserGeometry& geometry, const Pose& pose);
   void recall(JournalScan scan);
-  void draw(GridMap* map) const;
   void link_by_scan(std::size_t next, const Pose& pose, const Match& match, const Eigen::Matrix3d& floor,
                     bool returns = false);
   bool told_long_ago(const Match& match) const;
-  void go_on(double distance);
   void begin_far_loop(double drift, const MatchOptions& options);
-  std::vector<Scan> seen_lately(std::size_t keyframe) const;
   bool due(const Pose& pose) const;
-  Scan scan_of(const Kept& kept) const;
-  Scan lately() const;
-  GridMap drawn_around(const Pose& pose) const;
   void begin_solving(const OdometryModel& model);
   void solve();
   void begin_redrawing(const GridMap& map);
-  bool redraw();
-  Pose target(std::size_t keyframe) const;
 
   GridOptions grid_;
-  ScanOptions options_;
   Journal* journal_;
   PoseGraph graph_;
-  std::vector<Keyframe> keyframes_;
+  Keyframes keyframes_;
   std::optional<Redrawing> redrawing_;
-  int long_ago_ = -1;      // last keyframe that the way since then has led far from
   bool told_ = false;      // surfaces of long ago told the position of the last keyframe
   bool returns_ = false;   // with the next scan: the map where it is was drawn long ago, and is off
   bool closing_ = false;   // until the map has been drawn anew after that
   double anchored_ = 0.0;  // m of way when surfaces of long ago last told where the robot is
   std::optional<FarLoop> far_loop_;
-  std::vector<std::pair<std::size_t, std::size_t>> to_draw_;  // for that: keyframes and their scans
+  std::vector<Keyframes::Place> to_draw_;  // for that
   std::optional<Pose> loop_;  // what the last keyframe says: the frame of its drawn pose in that of the old surfaces
   std::size_t solved_ = 0;    // keyframes when the last solution was begun
   int iterations_ = 0;        // left of it
