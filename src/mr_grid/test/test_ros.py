@@ -18,6 +18,7 @@ from mr_grid.ros import (
     pose_message,
     pose_value,
     quaternion,
+    reason_of,
     typed_fields,
     yaw_of,
 )
@@ -77,6 +78,14 @@ def test_bad_messages_are_refused_with_the_culprit(path, value, words):
 def test_a_node_that_ends_while_a_call_is_written_to_it_is_a_failed_call() -> None:
     """The thread that called ended for good: a map merger never told its map again."""
     assert issubclass(TransportTerminated, CALL_FAILED)
+
+
+@pytest.mark.parametrize("words", ["not delivered to robot_1 (robot_1 was lost)", 'it\'s "so"', "Tür\n2"])
+def test_a_refusal_is_told_in_the_words_of_the_service(words: str) -> None:
+    """Warnings and replays showed them as rospy wraps them: service [/name] responded with an error: b'...'."""
+    error = rospy.ServiceException(f"service [/adhoc_communication/send] responded with an error: {words.encode()!r}")
+    assert reason_of(error) == words
+    assert reason_of(rospy.ServiceException("service [/x] unavailable")) == "service [/x] unavailable"
 
 
 @pytest.mark.parametrize("length", [0.5, 1.09, 2.0])

@@ -7,7 +7,7 @@ from typing import Callable, Tuple
 import rospy
 
 from explorer.call_queue import CallQueue
-from mr_grid.ros import CALL_FAILED
+from mr_grid.ros import CALL_FAILED, reason_of
 
 
 class Worker:
@@ -34,7 +34,7 @@ class Worker:
             try:
                 call()
             except CALL_FAILED as error:
-                rospy.logwarn_throttle(30.0, f"explorer: {self._name}: {error}")
+                rospy.logwarn_throttle(30.0, f"explorer: {self._name}: {reason_of(error)}")
             finally:
                 with self._ready:
                     self._calls.ended(number)

@@ -1,6 +1,8 @@
 """Poses and maps in ROS messages. Only nodes and the modules that convert messages for them import this."""
 
+import ast
 import math
+import re
 from io import BytesIO
 from typing import Any, Dict
 
@@ -19,6 +21,13 @@ from mr_grid.pose import FARTHEST, Pose, is_place
 NumpyOccupancyGrid = numpy_msg(OccupancyGridMessage)
 CALL_FAILED = (rospy.ServiceException, rospy.ROSException, TransportException, OSError)
 """What a call of a service may raise; the third one where its node ends while the request is being written."""
+REFUSED = re.compile(r"service \[\S+\] responded with an error: (b(['\"]).*\2)", re.DOTALL)
+
+
+def reason_of(error: BaseException) -> str:
+    """Why a call has failed; where the service has refused it, in its words alone."""
+    refused = REFUSED.fullmatch(str(error))
+    return ast.literal_eval(refused[1]).decode(errors="replace") if refused else str(error)
 
 
 def yaw_of(q: Quaternion) -> float:
