@@ -121,6 +121,13 @@ def test_robots_that_meet_in_a_corridor_pass(seed: int) -> None:
     assert run_seed(seed).stuck == 0
 
 
+def test_a_goal_is_not_given_up_while_robots_give_way_to_each_other() -> None:
+    """Neither knows where the other is: how long they take to get past each other is left to chance."""
+    run = run_seed(117)
+    assert run.contacts == 0 and not any(goal.why for goal in run.goals)
+    assert any(goal.reached for goal in run.goals)
+
+
 @pytest.mark.parametrize("seed", range(len(KINDS)))
 def test_a_larger_robot_has_scenes_that_it_fits_through(husky: str, seed: int) -> None:
     scene = draw(seed, robot_named(husky))
