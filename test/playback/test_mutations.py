@@ -1,8 +1,7 @@
 """The playback tests see what they are there for: with one transform reversed or one bid dropped they fail.
 
 Each mutation replaces one line in a copy of the package, which comes first on PYTHONPATH while the same rostest runs.
-adhoc_communication is compiled: there the bid is dropped on its way to the radio, in a copy of the bag. What does not
-come is not waited for as long as without a mutation; unchanged copies pass in that time, too.
+adhoc_communication is compiled: there the bid is dropped on its way to the radio, in a copy of the bag.
 """
 
 import importlib
@@ -16,8 +15,7 @@ import pytest
 import rosbag
 
 FOLDER = Path(__file__).resolve().parent
-LIMIT_S = 120
-DEADLINE_S = 12
+LIMIT_S = 180
 DIFFERS = "differs from the stored expectation"
 
 
@@ -81,7 +79,6 @@ MUTATIONS = {
 def run(test: str, folder: Path, *arguments: str, path: str = "") -> "subprocess.CompletedProcess[str]":
     """The rostest with its results in `folder`, so that they do not count as results of this build."""
     environment = dict(os.environ, ROS_HOME=str(folder), ROS_TEST_RESULTS_DIR=str(folder / "results"))
-    environment["PLAYBACK_DEADLINE_S"] = str(DEADLINE_S)
     environment["PYTHONPATH"] = os.pathsep.join(filter(None, [path, os.environ.get("PYTHONPATH", "")]))
     command = ["rostest", str(FOLDER / test), *arguments]
     return subprocess.run(

@@ -51,7 +51,7 @@ def publisher(topic, message_class, subscribers=1):
 
 
 def fill_what_alice_keeps(everybody):
-    """Newcomers to her group get none of the packets from before any more."""
+    """The packet with the definition is not among those that newcomers to her group get any more."""
     with Listener("/bob/everybody_of_alice", PointStamped) as listener:
         wait_until(lambda: everybody.publish(PointStamped()) or listener.messages, "the listener is connected")
         for count in range(1, PACKETS_KEPT_BY_ROOT + 3):
@@ -141,10 +141,13 @@ class Parameter(unittest.TestCase):
 
 class NewRobot(unittest.TestCase):
     def test_definition_that_a_newcomer_lacks_is_asked_for(self):
-        """The packet with the definition is older than what the root of a group keeps for newcomers."""
+        """The packet with the definition is older than what the root of a group keeps for newcomers.
+
+        What is kept may come before carol is known as a member: who subscribes only then misses what comes meanwhile.
+        """
         everybody = publisher("/alice/everybody", PointStamped)
         fill_what_alice_keeps(everybody)
-        with Carol(), Listener("/carol/everybody_of_alice", PointStamped) as at_carol:
+        with Listener("/carol/everybody_of_alice", PointStamped) as at_carol, Carol():
             everybody.publish(PointStamped(point=Point(x=4.0)))
             at_carol.wait_for(lambda messages: messages and messages[-1].point.x == 4.0)
 

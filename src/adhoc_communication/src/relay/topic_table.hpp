@@ -28,7 +28,7 @@ class TopicTable {
   static constexpr std::size_t kMostWaiting = 100;                ///< messages of one topic
   static constexpr std::size_t kMostWaitingOctets = 8'000'000;    ///< of all
   static constexpr Time kLongestOffer = std::chrono::seconds(5);  ///< until nodes can find a topic
-  static constexpr Time kLongestConnection = std::chrono::seconds(1);
+  static constexpr Time kLongestConnection = std::chrono::seconds(3);
 
   struct Topic {
     std::string type;

@@ -105,12 +105,12 @@ TEST_F(TopicTableTest, LatchedMessagesAreBoundedByTheirOctets) {
   EXPECT_TRUE(table.knows("/huge"));
 }
 
-TEST_F(TopicTableTest, SubscribersThatNeverConnectAreWaitedForASecond) {
+TEST_F(TopicTableTest, SubscribersThatNeverConnectAreNotWaitedForForEver) {
   add("/slow", 0s, "bob", 1);
   publish("/slow", "1", 0s);
-  release(999ms);
+  release(TopicTable::kLongestConnection - 1ms);
   EXPECT_TRUE(published.empty());
-  release(1s);
+  release(TopicTable::kLongestConnection);
   EXPECT_EQ(published.size(), 1u);
 }
 

@@ -3,6 +3,7 @@
 
 import queue
 import sys
+import time
 import unittest
 
 import rospy
@@ -18,12 +19,15 @@ START = -3.0  # m, x
 
 
 class OneRobotTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        """One publisher for all: a subscriber that is still bound to one that ended does not look for the next."""
+        cls._publisher = rospy.Publisher("cmd_vel", Twist, queue_size=1)
+
     def setUp(self):
-        self._publisher = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._subscribers = []
 
     def tearDown(self):
-        self._publisher.unregister()
         for subscriber in self._subscribers:
             subscriber.unregister()
 
@@ -77,7 +81,9 @@ class OneRobotTest(unittest.TestCase):
             return message.header.stamp
 
         first(0.0)
+        connected_until = time.monotonic() + PATIENCE
         while not self._publisher.get_num_connections():
+            self.assertLess(time.monotonic(), connected_until, "stageros does not listen to cmd_vel")
             odometries.get(timeout=PATIENCE)
         self.drive(None)
         moving = first(0.5)
