@@ -39,7 +39,8 @@ def test_a_mission_is_recorded_once_and_judged(tmp_path: Path, monkeypatch: pyte
     log = ScanLog.load(tmp_path / "small8x8-s1.npz")
     assert len(log.times) > 100 and log.ranges.shape[1] == 541
     rows = json.loads((tmp_path / "rows.json").read_text())
-    assert [row["unit"] for row in rows] == ["%"] * 4 + ["ms"] * 2 + ["logs"] and all(row["holds"] for row in rows)
+    assert [row["unit"] for row in rows] == ["%"] * 5 + ["robots", "%"] + ["ms"] * 2 + ["logs"]
+    assert all(row["holds"] for row in rows)
     assert rows[0]["detail"].startswith("1 logs; ")
     monkeypatch.setattr(slam_logs, "record", lambda trial: pytest.fail("recorded again"))
     slam_logs.recorded(Trial("small8x8", 1, 1), tmp_path)
@@ -86,8 +87,8 @@ def test_slam_that_does_not_end_is_ended(
     way: Callable[[], object], patience: float, reason: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It took the computer with it."""
-    monkeypatch.setattr(bench_slam, "LOG_TIME", (0.2, 0.1))  # s
-    monkeypatch.setattr(bench_slam, "MOST_MEMORY", 1 << 30)
+    monkeypatch.setattr(slam_logs, "LOG_TIME", (0.2, 0.1))  # s
+    monkeypatch.setattr(slam_logs, "MOST_MEMORY", 1 << 30)
     monkeypatch.setattr("mr_experiments.common.bounded.BUSY", patience)
     found = bench_slam.judged({"small8x8-s1": log_of("small8x8")}, "ours", lambda _: Endless(way))
     assert found.failed == [f"small8x8-s1, ours: {reason}"]
@@ -136,7 +137,8 @@ def test_what_is_wrong_in_the_other_process_is_raised_in_this_one() -> None:
 def test_the_numbers_of_logs_are_settled_beforehand() -> None:
     counts = {name: len(slam_logs.trials(kind, 1)) for name, kind in slam_logs.KINDS.items()}
     assert counts == {
-        "pioneers": 20, "turtlebots": 20, "halls": 10, "loops": 10, "large floor": 6, "large loops": 12,
+        "pioneers": 20, "turtlebots": 20, "halls": 10, "loops": 10, "equal rooms": 10, "large floor": 6,
+        "large loops": 12,
     }  # fmt: skip
     few = slam_logs.trials(slam_logs.KINDS["halls"], 5, 2)
     assert [trial.world for trial in few] == ["generated:hall:5:48x20", "generated:hall:6:48x20"]

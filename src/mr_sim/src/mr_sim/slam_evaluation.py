@@ -41,9 +41,19 @@ class Evaluation:
     milliseconds: tuple[float, float]
 
 
-def evaluate(log: ScanLog, truth: Truth, slam: Engine) -> Evaluation:
-    """Runs SLAM over the whole log. Its first pose is where the log begins. `slam`: with the options of the log's
-    robot."""
+@dataclass(frozen=True)
+class Run:
+    """Of n scans: `poses` (n, 3) of the robot, map frame; `errors` (n,) of the position, m; `matched` bool (n,),
+    whether the scan confirmed it. `milliseconds` as in `Evaluation`."""
+
+    poses: np.ndarray
+    errors: np.ndarray
+    matched: np.ndarray
+    milliseconds: tuple[float, float]
+
+
+def run(log: ScanLog, slam: Engine) -> Run:
+    """SLAM over the whole log. Its first pose is where the log begins."""
     start = Pose(*log.truth[0].tolist())
     poses, matched, spent = [], [], []
     for index, (moment, odometry) in enumerate(zip(log.times.tolist(), log.odometry.tolist())):
@@ -55,12 +65,19 @@ def evaluate(log: ScanLog, truth: Truth, slam: Engine) -> Evaluation:
         matched.append(update.matched)
     found = np.array(poses)
     errors = np.hypot(*(found[:, :2] - start.apply_inverse(log.truth[:, :2])).T)
-    headings = np.abs([normalized(yaw) for yaw in found[:, 2] - (log.truth[:, 2] - start.yaw)])
+    return Run(found, errors, np.array(matched), (float(np.mean(spent)), float(np.max(spent))))
+
+
+def evaluate(log: ScanLog, truth: Truth, slam: Engine) -> Evaluation:
+    """`slam`: with the options of the log's robot."""
+    done = run(log, slam)
+    errors, start = done.errors, Pose(*log.truth[0].tolist())
+    headings = np.abs([normalized(yaw) for yaw in done.poses[:, 2] - (log.truth[:, 2] - start.yaw)])
     occupancy = slam.map()
     return Evaluation(
         float(errors.mean()), float(np.quantile(errors, 0.95)), float(errors[-1]), errors[loop_ends(log.truth[:, :2])],
         float(np.quantile(headings, 0.95)), wrong_walls(truth, occupancy, start), coverage(truth, occupancy, start),
-        1.0 - float(np.mean(matched)), (float(np.mean(spent)), float(np.max(spent))),
+        1.0 - float(np.mean(done.matched)), done.milliseconds,
     )  # fmt: skip
 
 

@@ -1,7 +1,6 @@
 """Robots that are not where they are thought to be: carried away, or come back by a loop with a large drift."""
 
 import math
-from dataclasses import replace
 from typing import Callable
 
 import numpy as np
@@ -13,34 +12,16 @@ from mr_grid import Pose
 from mr_measures.figures import wrong_walls
 from mr_measures.truth import Truth
 from mr_robot.slam.engine import Slam
+from mr_sim.carried_robot import carried
 from mr_sim.scan_log import ScanLog, with_random_walk
 from mr_sim.slam_evaluation import evaluate
 from mr_sim.true_world import true_world_of
-
-CARRYING = 3.0  # s
 
 
 def driven(name: str, points: list, seconds: float) -> ScanLog:
     drives = Recorder(name, 3)
     drives.run(seconds, follow(points, 0.5))
     return drives.log()
-
-
-def carried(log: ScanLog, known: int, way: float, turn: float) -> ScanLog:
-    """The first `known` scans, and those from about `way` (m) and `turn` (rad) away, its wheels silent meanwhile."""
-    off = np.hypot(*(log.truth[:known, :2] - log.truth[known - 1, :2]).T)
-    turned = np.abs(np.remainder(log.truth[:known, 2] - log.truth[known - 1, 2] + math.pi, 2.0 * math.pi) - math.pi)
-    first = int(np.argmin(np.abs(off - way) + 2.0 * np.abs(turned - turn)))
-    before, begun = Pose(*log.odometry[known - 1].tolist()), Pose(*log.odometry[first].tolist())
-    later = [tuple(before.compose(begun.between(Pose(*each)))) for each in log.odometry[first:].tolist()]
-    times = log.times[first:] - log.times[first] + log.times[known - 1] + CARRYING
-    return replace(
-        log,
-        times=np.concatenate([log.times[:known], times]),
-        ranges=np.concatenate([log.ranges[:known], log.ranges[first:]]),
-        odometry=np.concatenate([log.odometry[:known], np.array(later)]),
-        truth=np.concatenate([log.truth[:known], log.truth[first:]]),
-    )
 
 
 def error_after(log: ScanLog, slam: Slam, index: int) -> float:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from mr_experiments.bench import slam_carried
 from mr_experiments.bench.real_logs import PathErrors, judge, scan_logs
 from mr_experiments.bench.real_logs import measures_of as measures_of_path
 from mr_experiments.bench.rows import Row, exit_code, printed, row_of, write_rows
@@ -23,9 +24,9 @@ from mr_experiments.bench.slam_comparison import (
     measures_of,
     table,
 )
-from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, MOST_MEMORY, Kind, drives, slam_of, truth_of
+from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, Kind, drives, slam_of, truth_of, within_bounds
 from mr_experiments.bench.slam_peers import peers
-from mr_experiments.common.bounded import Bounds, NoResult, Result, bounded
+from mr_experiments.common.bounded import NoResult
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
 from mr_experiments.trial.trial import TrialError
 from mr_robot.platforms.engines import defaults_of
@@ -37,7 +38,6 @@ from mr_sim.slam_evaluation import Engine, Evaluation, evaluate
 BIAS, WALK = "a constant bias", "a random walk"
 LOOP_END = 0.3  # m, 0.95 quantile of the position's error where large loops end
 PER_SCAN = (4.0, 60.0)  # ms, mean and worst
-LOG_TIME = (60.0, 0.2)  # s of processor time, at most, for a log and for each of its scans: fifty times the bar
 NO_RESULT = Evaluation(math.inf, math.inf, math.inf, np.empty(0), math.inf, math.inf, 0.0, 1.0, (math.inf, math.inf))
 NO_PATH = PathErrors(math.inf, math.inf, math.inf, (math.inf, math.inf))
 
@@ -59,7 +59,10 @@ def make_parser() -> argparse.ArgumentParser:
         prog="bench slam",
         description="Records scans and odometry of missions of one robot ("
         + ", ".join(f"{kind.logs} of {name}" for name, kind in KINDS.items())
-        + ") and runs SLAM over them, each with the options of its robot. Logs that are there are taken as they are.",
+        + ") and runs SLAM over them, each with the options of its robot; those of "
+        + " and ".join(name for name, kind in KINDS.items() if kind.found is not None)
+        + f" once more with robots that are carried {slam_carried.WAY:g} m away, after {100 * slam_carried.KNOWN:g} % "
+        "of their scans. Logs that are there are taken as they are.",
         epilog="Exit code: 0 all bars reached, 1 one is missed, 2 bad options, 130 interrupted.",
     )
     add = parser.add_argument
@@ -67,7 +70,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--missions", type=int, metavar="N", help="no more than the first N of each kind (default: all)")
     add("--kinds", nargs="*", choices=list(KINDS), default=list(KINDS), help="none or some (default: all)")
     add("--peers", action="store_true", help="instead compare with MRPT's ICP and RBPF, which `make bench-slam-peers` "
-        "builds, on the kinds that are judged by their walls alone")  # fmt: skip
+        "builds, on the kinds that are not judged by their loops")  # fmt: skip
     add("--real-logs", metavar="DIR", help="folder of CARMEN logs, to run SLAM over them as well")
     add("--logs", default="out/bench/scans", metavar="DIR", help="folder of the logs (default: %(default)s)")
     add("--out", default="out/bench/slam.json", metavar="FILE", help="rows (default: %(default)s)")
@@ -163,11 +166,6 @@ def judged(logs: Mapping[str, ScanLog], name: str, make: Make) -> Judged:
     return found
 
 
-def within_bounds(log: ScanLog, task: Callable[[ScanLog], Result]) -> Result:
-    """What the task returns for the log. Raises NoResult."""
-    return bounded(lambda: task(log), Bounds(LOG_TIME[0] + LOG_TIME[1] * len(log.times), MOST_MEMORY))
-
-
 def failed_row(failed: Sequence[str]) -> Row:
     """Logs on which our SLAM did not end, or which could not be recorded: no other row counts them."""
     return _row("logs without a result", 0.0, float(len(failed)), "logs", "; ".join(failed) or "each has one")
@@ -187,6 +185,13 @@ def own_rows(given: argparse.Namespace) -> list[Row]:
                 rows += rows_of(name, KINDS[name].walls, odometry, found.results)
                 rows += [loop_row(name, found.results)] if KINDS[name].loops else []
             spent += [Spent(name, scans, *each.milliseconds) for scans, each in zip(found.scans, found.results)]
+        if KINDS[name].found is not None:
+            carried = slam_carried.recoveries(dict(settings)[WALK], slam_of)
+            failed += carried.failed
+            if carried.found:
+                rows += slam_carried.rows_of(f"{name}, odometry with {WALK}", KINDS[name], carried.found)
+            spent += [Spent(f"{name}, carried", scans, *each.milliseconds)
+                      for scans, each in zip(carried.scans, carried.found)]  # fmt: skip
     if given.real_logs:
         _, lost = real_settings(Path(given.real_logs), given.first_seed, {OURS: undescribed})
         failed += lost
