@@ -41,7 +41,7 @@ def test_two_files_in_one_folder_are_two(tmp_path: Path) -> None:
     assert MapJournal.create(tmp_path, b"").path != MapJournal.create(tmp_path, b"").path
 
 
-@pytest.mark.parametrize("content", [b"", b"mr_robot map  9\nstate 0", b"mr_robot map  1\nsta"])
+@pytest.mark.parametrize("content", [b"", b"mr_robot map  9\nstate 0", b"mr_robot map  2\nsta"])
 def test_another_file_is_named(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "slam.map"
     path.write_bytes(content)
@@ -127,7 +127,7 @@ def test_the_end_of_a_node_that_was_told_to_end_leaves_no_map(master: Master, tm
 def test_a_map_that_makes_no_sense_is_told_and_another_one_begins(master: Master) -> None:
     first = Node()
     first.drive(range(30))
-    there = struct.pack("<6d", 0.0, 0.0, 0.0, 5000.0, 5000.0, 0.0)
+    there = struct.pack("<?6d", False, 0.0, 0.0, 0.0, 5000.0, 5000.0, 0.0)
     first.keeper._journal.add(b"P" + struct.pack("<I", len(there)) + there)
     again = Node()
     again.drive(range(30))

@@ -2,19 +2,23 @@
 
 import math
 import struct
-from typing import Callable, Tuple
+from typing import Callable, Iterator, Tuple
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_lost import around_a_block, error_after
 from test_slam import follow
-from test_slam_evaluation import Recorder, processed
+from test_slam_evaluation import Recorder, processed, slam_of
 from usual_robot import slam_with
 
 from mr_grid import Pose
+from mr_measures.figures import wrong_walls
+from mr_measures.truth import Truth
 from mr_robot.slam.engine import LaserScan, Slam, SlamError
 from mr_sim.scan_log import with_random_walk
+from mr_sim.true_world import true_world_of
 
 
 def walls(slam: Slam) -> np.ndarray:
@@ -47,6 +51,44 @@ def test_a_loop_is_closed_after_a_crash_on_half_the_way(draw_world: Callable[...
     assert math.dist(anew.pose_at(Pose(*log.odometry[-1].tolist()))[:2], end[:2]) < 0.1
 
 
+def entries(written: bytes) -> Iterator[Tuple[bytes, bytes]]:
+    """Kind and octets of each entry of a journal."""
+    while written:
+        kind, size = struct.unpack_from("<cI", written)
+        yield kind, written[5 : 5 + size]
+        written = written[5 + size :]
+
+
+def closes_far_loop(written: bytes) -> bool:
+    """Keyframes were linked, and none was opened."""
+    found = list(entries(written))
+    return any(kind == b"L" for kind, _ in found) and not any(kind == b"S" and octets[0] for kind, octets in found)
+
+
+def test_a_far_loop_is_closed_after_a_crash_before_the_map_is_drawn_anew(draw_world: Callable[..., str]) -> None:
+    """SLAM that was started anew doubted what had closed the loop, drew on meanwhile, and stayed 3 m off."""
+    log = around_a_block(draw_world, 6)
+    slam, written, end = slam_of(log.world), b"", len(log.times)
+    slam.begin_journal()
+    for index in processed(log, slam, range(len(log.times))):
+        piece = slam.take_journal()
+        written += piece
+        if closes_far_loop(piece):
+            end = index + 10
+        if index == end:
+            break
+    assert error_after(log, slam, end) > 2.0
+    anew = slam_of(log.world)
+    assert anew.recall(written, slam.state()) == len(written)
+    assert far_from(walls(slam), walls(anew)) < 0.01
+    for each in (slam, anew):
+        for _ in processed(log, each, range(end + 1, end + 30)):
+            pass
+        assert error_after(log, each, end + 29) < 0.3
+    truth, start = Truth.of_world(true_world_of(Recorder(log.world, 3).world)), Pose(*log.truth[0].tolist())
+    assert wrong_walls(truth, anew.map(), start) < wrong_walls(truth, slam.map(), start) + 0.02
+
+
 @given(cut=st.integers(0, 200_000), broken=st.integers(0, 200_000), octet=st.integers(0, 255))
 def test_what_was_not_written_whole_is_left_out(cut: int, broken: int, octet: int) -> None:
     written, state = ROOM
@@ -62,7 +104,7 @@ def test_what_was_not_written_whole_is_left_out(cut: int, broken: int, octet: in
 def test_places_that_no_map_holds_begin_a_new_one() -> None:
     """5 km away: each pose is sound by itself."""
     written, state = ROOM
-    there = struct.pack("<6d", 0.0, 0.0, 0.0, 5000.0, 5000.0, 0.0)
+    there = struct.pack("<?6d", False, 0.0, 0.0, 0.0, 5000.0, 5000.0, 0.0)
     poses = b"P" + struct.pack("<I", len(there)) + there
     slam = slam_with()
     with pytest.raises(SlamError, match="too many cells"):

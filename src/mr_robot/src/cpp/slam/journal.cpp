@@ -103,13 +103,16 @@ std::optional<JournalEntry> link_of(Reader* reader) {
   link.to = reader->get<std::uint32_t>();
   link.relative = reader->get<Pose>();
   reader->get(link.information.data(), 9);
+  link.sure = reader->get<std::uint8_t>() != 0;
   const bool good =
       sound(link.relative) && link.information.allFinite() && link.information.llt().info() == Eigen::Success;
   return good ? std::optional<JournalEntry>(link) : std::nullopt;
 }
 
 std::optional<JournalEntry> poses_of(Reader* reader) {
-  JournalPoses poses{reader->rest<Pose>()};
+  JournalPoses poses{};
+  poses.closing = reader->get<std::uint8_t>() != 0;
+  poses.poses = reader->rest<Pose>();
   for (const Pose& pose : poses.poses) {
     if (!sound(pose)) return std::nullopt;
   }
@@ -138,12 +141,15 @@ void Journal::write(const JournalLink& link) {
   if (!kept_) return;
   Writer entry(kLink);
   entry << static_cast<std::uint32_t>(link.from) << static_cast<std::uint32_t>(link.to) << link.relative;
-  entry.put(link.information.data(), 9).append_to(&written_);
+  entry.put(link.information.data(), 9) << static_cast<std::uint8_t>(link.sure);
+  entry.append_to(&written_);
 }
 
 void Journal::write(const JournalPoses& poses) {
   if (!kept_) return;
-  Writer(kPoses).put(poses.poses.data(), poses.poses.size()).append_to(&written_);
+  Writer entry(kPoses);
+  entry << static_cast<std::uint8_t>(poses.closing);
+  entry.put(poses.poses.data(), poses.poses.size()).append_to(&written_);
 }
 
 std::string Journal::take() { return std::exchange(written_, {}); }

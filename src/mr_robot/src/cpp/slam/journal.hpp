@@ -22,15 +22,17 @@ struct JournalScan {
   std::vector<float> ranges;
 };
 
-// As in `PoseGraph::link`, between keyframes.
+// As in `PoseGraph::link`, between keyframes. A sure one closes a loop.
 struct JournalLink {
   std::size_t from, to;
   Pose relative;
   Eigen::Matrix3d information;
+  bool sure;
 };
 
-// Of all keyframes, after the map was drawn anew.
+// Of all keyframes, after the map was drawn anew. `closing`: without the last sure links, which are yet to be followed.
 struct JournalPoses {
+  bool closing;
   std::vector<Pose> poses;
 };
 

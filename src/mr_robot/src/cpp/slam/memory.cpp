@@ -113,16 +113,18 @@ void Memory::recall(std::vector<JournalEntry> entries, GridMap* map, const Odome
     if (auto* scan = std::get_if<JournalScan>(&entry)) recall(std::move(*scan));
     if (const auto* link = std::get_if<JournalLink>(&entry)) links.push_back(*link);
     if (const auto* moved = std::get_if<JournalPoses>(&entry)) {
+      for (JournalLink& link : links) link.sure &= moved->closing;
       const std::size_t count = std::min(moved->poses.size(), keyframes_.size());
       for (std::size_t i = 0; i < count; ++i) keyframes_.move(i, moved->poses[i]);
     }
   }
   for (std::size_t i = 0; i < keyframes_.size(); ++i) join(i, model);
   for (const JournalLink& link : links) {
-    if (std::max(link.from, link.to) < keyframes_.size())
-      graph_.link(link.from, link.to, link.relative, link.information);
+    if (std::max(link.from, link.to) >= keyframes_.size()) continue;
+    graph_.link(link.from, link.to, link.relative, link.information, link.sure);
+    closing_ |= link.sure;
   }
-  solved_ = keyframes_.size();
+  solved_ = closing_ ? 0 : keyframes_.size();
   keyframes_.draw(map);
 }
 
@@ -145,7 +147,7 @@ void Memory::link_by_scan(std::size_t next, const Pose& pose, const Match& match
     const Pose relative = between(from, moved(pose, evidence.step()));
     const Eigen::Matrix3d information = with_floor(seen, static_cast<double>(most.size()) * floor);
     graph_.link(origin, next, relative, information, returns);
-    journal_->write(JournalLink{static_cast<std::size_t>(origin), next, relative, information});
+    journal_->write(JournalLink{static_cast<std::size_t>(origin), next, relative, information, returns});
   }
 }
 
@@ -270,12 +272,12 @@ std::optional<std::pair<Pose, Pose>> Memory::work(GridMap* map, const OdometryMo
   for (std::size_t i = 0; i < keyframes_.size(); ++i) targets.push_back(redrawing_->target(keyframes_, i));
   const std::pair<Pose, Pose> change{keyframes_.back().drawn, targets.back()};
   for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_.move(i, targets[i]);
-  journal_->write(JournalPoses{std::move(targets)});
   *map = std::move(redrawing_->map());
   redrawing_.reset();
   loop_.reset();
   far_loop_.reset();
   closing_ = closing_ && solved_ < keyframes_.size();
+  journal_->write(JournalPoses{closing_, std::move(targets)});
   return change;
 }
 

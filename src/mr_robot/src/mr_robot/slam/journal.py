@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-MAGIC = b"mr_robot map  1\n"
+MAGIC = b"mr_robot map  2\n"
 MOST = 1 << 30  # octets that are read; 20000 scans of 4000 beams are less
 
 
