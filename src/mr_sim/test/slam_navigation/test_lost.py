@@ -1,12 +1,13 @@
 """Robots that are not where they are thought to be: carried away, or come back by a loop with a large drift."""
 
+import ctypes
 import math
 from typing import Callable
 
 import numpy as np
 import pytest
 from test_slam import ROUND, follow
-from test_slam_evaluation import Recorder, processed, slam_of
+from test_slam_evaluation import Recorder, mapped, processed, scan_of, slam_of
 
 from mr_grid import Pose
 from mr_measures.figures import wrong_walls
@@ -69,6 +70,46 @@ def test_a_robot_that_was_carried_and_stands_erases_no_walls() -> None:
         scan = log.scan(len(log.times) - 1 if second < 5 else 300)
         slam.process(scan, last, float(log.times[-1]) + 1.0 + second)
     assert int((slam.map().cells == 100).sum()) >= 0.995 * walls
+
+
+class _Heap(ctypes.Structure):
+    """`struct mallinfo2` of the C library."""
+
+    _fields_ = [
+        ("first", ctypes.c_size_t * 4),
+        ("hblkhd", ctypes.c_size_t),
+        ("between", ctypes.c_size_t * 2),
+        ("uordblks", ctypes.c_size_t),
+        ("last", ctypes.c_size_t * 2),
+    ]
+
+
+def heap_in_use() -> int:
+    """Octets."""
+    library = ctypes.CDLL(None)
+    library.mallinfo2.restype = _Heap
+    heap = library.mallinfo2()
+    return int(heap.uordblks + heap.hblkhd)
+
+
+def narrow_room(yaw: float) -> np.ndarray:
+    """Ranges from within a room of 2.2 m x 3.6 m, out of its middle."""
+    angles = np.radians(np.linspace(-135.0, 135.0, 541)) + yaw
+    along, across = np.cos(angles), np.sin(angles)
+    with np.errstate(divide="ignore"):
+        ahead, sideways = np.where(along > 0, 0.9, 1.3) / np.abs(along), np.where(across > 0, 2.2, 1.4) / np.abs(across)
+        return np.minimum(ahead, sideways)
+
+
+def test_a_lost_robot_that_turns_on_the_spot_keeps_so_many_scans_and_no_more() -> None:
+    """Each is matched again with each search: the time for a scan goes with them."""
+    slam, used = mapped(), []
+    for step in range(2000):
+        yaw = 0.1 * step
+        update = slam.process(scan_of(narrow_room(yaw)), Pose(1.1, 0.0, yaw), 2.0 + 0.1 * step)
+        used.append(heap_in_use())
+    assert not update.matched, "it has to be lost"
+    assert max(used[1500:]) < max(used[500:1000]) + 500_000
 
 
 def around_a_block(draw_world: Callable[..., str], walk: int) -> ScanLog:
