@@ -45,6 +45,8 @@ def test_a_loop_is_closed_after_a_crash_on_half_the_way(draw_world: Callable[...
     anew, written = slam_with(), slam.take_journal()
     assert anew.recall(written, slam.state()) == len(written)
     assert anew.map_to_odometry() == slam.map_to_odometry() and anew.revision == 1
+    ahead = Pose(*log.odometry[half + 50].tolist())
+    assert anew.pose_at(ahead) == slam.pose_at(ahead), "it knows how odometry counts wrong"
     assert max(far_from(walls(slam), walls(anew)), far_from(walls(anew), walls(slam))) < 0.01
     assert sum(1 for _ in processed(log, anew, range(half, len(log.times)))) == len(log.times) - half
     end = Pose(*log.truth[0].tolist()).between(Pose(*log.truth[-1].tolist()))

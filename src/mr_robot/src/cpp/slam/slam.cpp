@@ -24,6 +24,7 @@ struct State {
   Pose pose, odometry, driven;
   Way way;
   double updated_at;
+  OdometryModel model;
 };
 
 bool near(const Pose& a, const Pose& b) {
@@ -67,7 +68,7 @@ Pose Slam::pose_at(const Pose& odometry) const {
 Pose Slam::map_to_odometry() const { return pose_ * between(odometry_, Pose{}); }
 
 std::string Slam::state() const {
-  const State state{pose_, odometry_, driven_, way_, updated_at_};
+  const State state{pose_, odometry_, driven_, way_, updated_at_, model_};
   return {reinterpret_cast<const char*>(&state), sizeof(state)};
 }
 
@@ -76,11 +77,14 @@ std::size_t Slam::recall(std::string_view written, std::string_view kept) {
   std::size_t used = 0;
   if (started_ || kept.size() != sizeof(state)) return used;
   std::memcpy(&state, kept.data(), sizeof(state));
-  for (const Pose& pose : {state.pose, state.odometry, state.driven}) {
+  const Pose corrected = state.model.corrected({1.0, 1.0, 1.0}), deviation = state.model.deviation_of_way({1.0, 1.0});
+  for (const Pose& pose : {state.pose, state.odometry, state.driven, corrected, deviation}) {
     if (!std::isfinite(pose.x + pose.y + pose.yaw)) return used;
   }
-  memory_.recall(entries_of(written, &used), &map_, model_);
+  memory_.recall(entries_of(written, &used), &map_, state.model);
   if (memory_.empty()) return 0;
+  model_ = state.model;
+  model_.interrupt();
   pose_ = confirmed_ = inserted_ = stood_ = state.pose;
   odometry_ = state.odometry;
   driven_ = stood_driven_ = state.driven;

@@ -70,7 +70,7 @@ class Slam {
   const GridMap& map() const { return map_; }
 
   // So that a SLAM that is started anew goes on with this map, in this frame: from the first scan on, write what has to
-  // be written; what came since; where the robot is.
+  // be written; what came since; where the robot is, and what odometry is worth.
   void begin_journal() { journal_.begin(); }
   std::string take_journal() { return journal_.take(); }
   std::string state() const;

@@ -175,7 +175,7 @@ class Slam:
         return self._core.take_journal()
 
     def state(self) -> bytes:
-        """Where the robot is; always of one size."""
+        """Where the robot is, and what odometry is worth; always of one size."""
         return self._core.state()
 
     def recall(self, journal: bytes, state: bytes) -> int:
