@@ -176,9 +176,18 @@ def test_what_is_left_and_why() -> None:
     bench.place(-5.0, 0.0)
     bench.run(0.4)
     left = report(bench).left
-    assert [each.reason for each in left] == ["no place to look from"]
+    assert [each.reason for each in left] == ["too narrow: 0.2 m"]
     assert left[0].place == pytest.approx((3.9, 0.0), abs=0.2) and left[0].points >= 10
     assert left[0].size == pytest.approx(2.8, abs=0.4)
+
+
+def test_what_no_robot_would_see_is_not_told_as_too_narrow() -> None:
+    cells = walled().cells.copy()
+    cells[15:17, 99:101] = (0, 100)  # the window is walled up
+    bench = Bench(7).map(map_of(cells, 0.1, -10.0, -1.6))
+    bench.place(-5.0, 0.0)
+    bench.run(0.4)
+    assert {each.reason for each in report(bench).left} == {"no place to look from"}
 
 
 def test_what_is_left_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,6 +21,7 @@ void Reception::receive(const Frame& frame, Time now) {
   if (!hear(header, now)) return;
   const bool wants_acknowledgment =
       header.next_hop != wire::kEverybody && (header.flags & wire::kWantsAcknowledgment) != 0;
+  if (header.next_hop == layers_.self.address) layers_.neighbors.addressed(header.sender, now);
   if (wants_acknowledgment && !layers_.hops.take(header, now)) return;
   dispatch(header, opened->body, now);
   layers_.incoming.forget_evicted(now);

@@ -1,6 +1,7 @@
 #include "routing/neighbors.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace adhoc_communication::routing {
 namespace {
@@ -15,8 +16,9 @@ constexpr double kHopeless = 0.6;                        ///< loss of a link ove
 constexpr Time kSoon = std::chrono::milliseconds(1500);  ///< so much more silence settles by itself who is gone
 constexpr Time kShortestInterval = std::chrono::milliseconds(50);
 constexpr Time kLongestInterval = std::chrono::seconds(10);
-constexpr int kLongestPause = 6;  ///< 64 intervals between two times that a candidate is named
-constexpr int kMostMissed = 64;   ///< a greater gap says nothing about the link
+constexpr int kLongestPause = 6;    ///< 64 intervals between two times that a candidate is named
+constexpr double kUsualLoss = 0.3;  ///< of beacons, up to which ALLOWED_HELLO_LOSS of them are waited for
+constexpr int kMostMissed = 64;     ///< a greater gap says nothing about the link
 
 }  // namespace
 
@@ -128,6 +130,11 @@ void Neighbors::acknowledged(const MacAddress& address, Time now) {
   found->second.blacklisted_until = Time(0);
 }
 
+void Neighbors::addressed(const MacAddress& address, Time now) {
+  const auto found = neighbors_.find(address);
+  if (found != neighbors_.end() && found->second.listed) found->second.listed = now;
+}
+
 void Neighbors::link_failed(const MacAddress& address) {
   const auto found = neighbors_.find(address);
   if (found == neighbors_.end()) return;
@@ -185,6 +192,15 @@ double Neighbors::loss(const MacAddress& address) const {
 double Neighbors::beacon_loss(const MacAddress& address) const {
   const Neighbor* neighbor = find(address);
   return neighbor == nullptr ? 0.0 : neighbor->reported_loss;
+}
+
+/// Beacons of a lossy link may well be missed one after the other: as many more as make that equally unlikely. A
+/// hopeless one is not held: two good hops are better.
+Time Neighbors::patience(const Neighbor& neighbor) const {
+  const bool known = neighbor.beacons >= kBeaconsThatMatter && neighbor.loss_from < kHopeless;
+  const double loss = known ? std::max(neighbor.loss_from, kUsualLoss) : kUsualLoss;
+  const double beacons = timings_.allowed_hello_loss * std::log(kUsualLoss) / std::log(loss);
+  return static_cast<int>(std::lround(beacons)) * neighbor.interval;
 }
 
 Time Neighbors::patience(const MacAddress& address) const {

@@ -58,6 +58,9 @@ class Neighbors {
   void beacon(const MacAddress& address, const wire::Beacon& beacon, wire::NeighborTag self, Time now);
   /// It acknowledged a frame, so it hears this robot.
   void acknowledged(const MacAddress& address, Time now);
+  /// It sent a frame to this robot alone, so it still hears it. By itself that makes no link known to work both ways:
+  /// what one loses is not known then.
+  void addressed(const MacAddress& address, Time now);
   /// The link failed: frames over it go unanswered until the neighbour says anew that it hears this robot.
   void link_failed(const MacAddress& address);
   /// Section 6.8: the link may work one way only. Until it acknowledges something, what it says does not count.
@@ -108,7 +111,7 @@ class Neighbors {
 
  private:
   static void count_beacon(Neighbor& neighbor, std::uint16_t number);
-  Time patience(const Neighbor& neighbor) const { return timings_.allowed_hello_loss * neighbor.interval; }
+  Time patience(const Neighbor& neighbor) const;
   static Time doubt(const Neighbor& neighbor);
   static bool silent(const Neighbor& neighbor, Time now) { return now - neighbor.last_heard > doubt(neighbor); }
   bool two_way(const Neighbor& neighbor, Time now) const;

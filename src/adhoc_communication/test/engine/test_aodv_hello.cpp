@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "host.hpp"
+#include "routing/neighbors.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -65,6 +66,46 @@ TEST(Hello, A8_4_ASilentNeighborIsLostAfterAllowedHelloLoss) {
   EXPECT_TRUE(is_there(robots, 1990ms));
   EXPECT_FALSE(is_there(robots, 2010ms));
   EXPECT_TRUE(is_there(robots, 1990ms, true));
+}
+
+/// How long a neighbour is held after its last beacon, of which one in `of` has arrived.
+Time held(int of) {
+  const Timings timings = robot_timings();
+  routing::Neighbors neighbors(timings, 250ms);
+  const MacAddress address{2, 0, 0, 0, 0, 1};
+  wire::Beacon beacon;
+  beacon.heard.push_back({7, 0});
+  Time now = 1s;
+  for (int i = 1; i <= 20; ++i) {
+    now += of * 250ms;
+    beacon.number = static_cast<std::uint16_t>(i * of);
+    neighbors.heard(address, 1, now);
+    neighbors.beacon(address, beacon, 7, now);
+  }
+  const Time last = now;
+  while (neighbors.two_way(address, now)) now += 10ms;
+  return now - last;
+}
+
+TEST(Hello, A8_4_MoreBeaconsOfALossyNeighborAreWaitedForButNotOfAHopelessOne) {
+  EXPECT_EQ(held(1), 2000ms);
+  EXPECT_GE(held(2), 3200ms) << "as unlikely to be missed in a row as 8 of which 30 % are lost";
+  EXPECT_LE(held(2), 4000ms);
+  EXPECT_EQ(held(4), 2000ms);
+}
+
+TEST(Hello, A8_4_AFrameForTheNodeAloneIsASignThatItIsHeard) {
+  for (const bool listed : {true, false}) {
+    Stage stage(hellos_only(robot_timings(), 250ms));
+    Host& b = stage.neighbor(2, false);
+    if (listed) stage.beacon(b);
+    for (int i = 0; i < 4; ++i) {
+      stage.run_for(1s);
+      stage.say(b, request_for(kFar, b), stage.self().address);
+    }
+    ASSERT_EQ(stage.node().links().size(), 1u);
+    EXPECT_EQ(stage.node().links()[0].two_way, listed) << "by itself it makes no link";
+  }
 }
 
 TEST(Hello, A8_4_TheRoutesOverALostNeighborAreAnnounced) {

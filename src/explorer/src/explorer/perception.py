@@ -12,6 +12,7 @@ from explorer.frontiers import Frontier, FrontierStore, points_of
 from explorer.geometry import Position, distance
 from explorer.grid import OccupancyMap
 from explorer.leftovers import Left, leftovers
+from explorer.narrow import SlimmerRobot
 from explorer.options import Options
 from explorer.prospects import Prospect, prospects
 from explorer.senses import Senses
@@ -60,6 +61,8 @@ class Perception:
         self._frontier_map: Optional[FrontierMap] = None
         self.field: Optional[CostField] = None
         self._views: Optional[Views] = None
+        self._slimmer: Optional[SlimmerRobot] = None
+        self._explained: Optional[Worth] = None
         self._new_map = self._stale = False
         self._place: Position = (math.inf, math.inf)
         self._time = -math.inf
@@ -149,7 +152,27 @@ class Perception:
 
     def leftovers(self) -> Tuple[Left, ...]:
         """What would be left unexplored if this were the end, the largest first."""
-        return leftovers(self.clusters, self.worth, self._prospects)
+        return leftovers(self.clusters, self.explained(), self._prospects)
+
+    def explained(self) -> Worth:
+        """As `worth`, with a reason also for points that are seen from nowhere because a way is too narrow."""
+        if self._explained is None:
+            self._explained = self.worth._replace(reasons={**self._too_narrow(), **self.worth.reasons})
+        return self._explained
+
+    def _too_narrow(self) -> Dict[int, str]:
+        """{number: reason} of the points that no reachable place sees."""
+        unseen = [
+            member
+            for cluster in self.clusters
+            for member in cluster.members
+            if member.number not in cluster.views and member.number not in self.worth.reasons
+        ]
+        if not unseen or self.ways is None or self.field is None:
+            return {}
+        reach, former = self._options.view_distance, self._slimmer
+        self._slimmer = SlimmerRobot(self.ways, self.field, self._place, reach, former)
+        return self._slimmer.reasons(unseen)
 
     def unreachable(self, verdicts: Verdicts) -> int:
         """Frontiers that are given up, or that no reachable place sees."""
@@ -194,6 +217,7 @@ class Perception:
         self._deny(verdicts)
         if not any(cluster.reachable for cluster in self.clusters) and not self._settled(verdicts):
             self._take_up_leftovers()
+        self._explained = None
         self.revision += 1
 
     def _settled(self, verdicts: Verdicts) -> bool:

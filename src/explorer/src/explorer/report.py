@@ -73,7 +73,7 @@ def report_of(
         assignment={} if scene is None else _assignment(status.robot, scene),
         area=0.0 if occupancy is None else occupancy.known_area,
         rest=_rest(mission, scene, status),
-        left=tuple(_left(perception, reasons(perception.clusters, perception.worth))),
+        left=tuple(_left(perception, reasons(perception.clusters, perception.explained()))),
         team={robot: _stage(mission, robot) for robot in mission.team.known()},
         limits=mission.orders.limits,
     )
