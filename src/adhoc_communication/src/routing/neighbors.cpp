@@ -197,8 +197,9 @@ double Neighbors::beacon_loss(const MacAddress& address) const {
 /// Beacons of a lossy link may well be missed one after the other: as many more as make that equally unlikely. A
 /// hopeless one is not held: two good hops are better.
 Time Neighbors::patience(const Neighbor& neighbor) const {
-  const bool known = neighbor.beacons >= kBeaconsThatMatter && neighbor.loss_from < kHopeless;
-  const double loss = known ? std::max(neighbor.loss_from, kUsualLoss) : kUsualLoss;
+  const double loss = neighbor.loss_from;
+  const bool known = neighbor.beacons >= kBeaconsThatMatter;
+  if (!known || loss <= kUsualLoss || loss >= kHopeless) return timings_.allowed_hello_loss * neighbor.interval;
   const double beacons = timings_.allowed_hello_loss * std::log(kUsualLoss) / std::log(loss);
   return static_cast<int>(std::lround(beacons)) * neighbor.interval;
 }
