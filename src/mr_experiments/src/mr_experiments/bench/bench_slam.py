@@ -24,7 +24,7 @@ from mr_experiments.bench.slam_comparison import (
     measures_of,
     table,
 )
-from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, Kind, drives, slam_of, truth_of, within_bounds
+from mr_experiments.bench.slam_logs import FIRST_SEED, KINDS, Kind, drives, results_of, slam_of, truth_of, within_bounds
 from mr_experiments.bench.slam_peers import peers
 from mr_experiments.common.bounded import NoResult
 from mr_experiments.common.command_line import BAD_CALL, INTERRUPTED, CallError, Parser
@@ -151,18 +151,11 @@ class Judged:
 def judged(logs: Mapping[str, ScanLog], name: str, make: Make) -> Judged:
     """One engine on logs by name, a new one for each, in a process of its own."""
     found = Judged()
-    for called, log in logs.items():
-        label = f"{called}, {name}"
-        try:
-            result = within_bounds(log, lambda log: evaluate(log, truth_of(log), make(log)))
-        except NoResult as error:
-            found.failed.append(f"{label}: {error}")
-            print(f"FAILED {found.failed[-1]}", flush=True)
-            continue
+    for called, result in results_of(logs, name, lambda log: evaluate(log, truth_of(log), make(log)), found.failed):
         found.results.append(result)
-        found.scans.append(len(log.times))
-        print(f"{label}: wrong walls {100 * result.wrong_walls:.1f} %, position error {result.q95_error:.3f} m",
-              flush=True)  # fmt: skip
+        found.scans.append(len(logs[called].times))
+        print(f"{called}, {name}: wrong walls {100 * result.wrong_walls:.1f} %, position error "
+              f"{result.q95_error:.3f} m", flush=True)  # fmt: skip
     return found
 
 

@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mr_experiments.bench.rows import Row, printed, row_of
-from mr_experiments.bench.slam_logs import Kind, truth_of, within_bounds
-from mr_experiments.common.bounded import NoResult
+from mr_experiments.bench.slam_logs import Kind, results_of, truth_of
 from mr_sim.carried_robot import FOUND, Recovery, carried, evaluate_carried
 from mr_sim.scan_log import ScanLog
 from mr_sim.slam_evaluation import Engine
@@ -35,24 +34,19 @@ def recoveries(logs: Mapping[str, ScanLog], make: Make) -> Recoveries:
     """Of the robots of logs by name, each carried after `KNOWN` of its log; a new engine for each, in a process of its
     own."""
     result = Recoveries()
-    for name, log in logs.items():
-        known = math.ceil(KNOWN * len(log.times))
-        longer = carried(log, known, WAY, TURN)
-        try:
-            each = within_bounds(longer, _judging(known, make))
-        except NoResult as error:
-            result.failed.append(f"{name}, carried: {error}")
-            print(f"FAILED {result.failed[-1]}", flush=True)
-            continue
+    for name, (each, scans) in results_of(logs, "carried", lambda log: _carried_away(log, make), result.failed):
         result.found.append(each)
-        result.scans.append(len(longer.times))
+        result.scans.append(scans)
         print(f"{name}, carried: {_found(each.seconds)}, another place believed for {each.believed:.1f} s, "
               f"wrong walls {100 * each.wrong_walls:.1f} %", flush=True)  # fmt: skip
     return result
 
 
-def _judging(known: int, make: Make) -> Callable[[ScanLog], Recovery]:
-    return lambda log: evaluate_carried(log, known, truth_of(log), make(log))
+def _carried_away(log: ScanLog, make: Make) -> tuple[Recovery, int]:
+    """And the number of scans."""
+    known = math.ceil(KNOWN * len(log.times))
+    longer = carried(log, known, WAY, TURN)
+    return evaluate_carried(longer, known, truth_of(longer), make(longer)), len(longer.times)
 
 
 def _found(seconds: float) -> str:

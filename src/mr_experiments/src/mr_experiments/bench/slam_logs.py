@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -129,6 +129,21 @@ def record(trial: Trial) -> ScanLog:
 def within_bounds(log: ScanLog, task: Callable[[ScanLog], Result]) -> Result:
     """What the task returns for the log. Raises NoResult."""
     return bounded(lambda: task(log), Bounds(LOG_TIME[0] + LOG_TIME[1] * len(log.times), MOST_MEMORY))
+
+
+def results_of(
+    logs: Mapping[str, ScanLog], what: str, task: Callable[[ScanLog], Result], failed: list[str]
+) -> Iterator[tuple[str, Result]]:
+    """What the task returns for each of the logs by name, in a process of its own. `what`: that is done. `failed` gets
+    the logs without a result, in words."""
+    for name, log in logs.items():
+        try:
+            result = within_bounds(log, task)
+        except NoResult as error:
+            failed.append(f"{name}, {what}: {error}")
+            print(f"FAILED {failed[-1]}", flush=True)
+            continue
+        yield name, result
 
 
 def slam_of(log: ScanLog) -> Slam:
