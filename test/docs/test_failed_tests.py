@@ -7,14 +7,15 @@ from pages import REPOSITORY
 
 PROGRAM = REPOSITORY / "tools" / "failed_tests"
 RESULTS = {
-    "a/gtest-x.xml": '<testsuites><testsuite><testcase name="B" classname="A"><failure message="2 is not 3&#x0A;at"/>'
-    '</testcase><testcase name="C" classname="A"/></testsuite></testsuites>',
-    "b/rosunit-y.xml": '<testsuite><testcase name="t" classname="M.K"><failure type="AssertionError"><![CDATA[\n[1] != [2]'
-    "\nmore]]></failure></testcase></testsuite>",
-    "b/pytest-z.xml": '<testsuites><testsuite><testcase name="t" classname="z"><error message=""/></testcase></testsuite>'
-    "</testsuites>",
+    "a/gtest-x.xml": """<testsuites><testsuite>
+        <testcase name="B" classname="A"><failure message="2 is not 3&#x0A;at"/></testcase>
+        <testcase name="C" classname="A"/></testsuite></testsuites>""",
+    "b/rosunit-y.xml": """<testsuite><testcase name="t" classname="M.K">
+        <failure type="AssertionError"><![CDATA[\n[1] != [2]\nmore]]></failure></testcase></testsuite>""",
+    "b/pytest-z.xml": """<testsuites><testsuite>
+        <testcase name="t" classname="z"><error message=""/></testcase></testsuite></testsuites>""",
     "c/broken.xml": "<testsuite>",
-}  # fmt: skip
+}
 
 
 def printed(folder: Path) -> list[str]:

@@ -247,10 +247,8 @@ def test_robot_that_does_not_read_holds_time_and_is_then_given_up(make_world, tm
     monkeypatch.setattr("mr_sim.world_server.CLIENT_PATIENCE", 0.3)
     select, path, said, seen = selectors.DefaultSelector.select, str(tmp_path / "socket"), [], []
     server = WorldServer(make_world(TWO), listen(path), real_time_factor=0.0, duration=60.0, say=said.append)
-    with (
-        socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as silent,
-        socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as reading,
-    ):
+    with contextlib.ExitStack() as sockets:
+        silent, reading = (sockets.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)) for _ in "ab")
         for robot, name in ((silent, "a"), (reading, "b")):
             robot.connect(path)
             robot.send(p.encode_hello(name))
