@@ -22,6 +22,7 @@ REACH = 40.0  # m of the radio
 SPEED = 0.5  # m/s
 STEP = 0.1  # s
 MAP_PERIOD = 2.0  # s
+AUCTION_PERIOD = 4.0  # s between two auctions of a robot
 COMMANDS = ("start", "pause", "resume", "stop", "go_home", SET_LIMITS)
 CONTROL = (
     "team_pause",
@@ -65,7 +66,6 @@ class SyntheticRobot:
         self.heading = 0.0
         self.known = np.zeros((CELLS, CELLS), dtype=bool)
         self.goals: list[tuple[int, int]] = []
-        self.auctions = 0  # so many it has held, one for each goal
         self.bytes_sent = 0
         self.paused = False
         self.limits = [0.0, 0.0]
@@ -104,7 +104,6 @@ class SyntheticRobot:
         fresh = [room for room in inside if not self.known[room[0] * ROOM + 100, room[1] * ROOM + 100]]
         choice = fresh or inside
         self.goals = [choice[int(self._rng.integers(len(choice)))]]
-        self.auctions += 1
 
     def look(self, cells: np.ndarray) -> None:
         """See what is in the room and near."""
@@ -222,7 +221,8 @@ class SyntheticTeam:
                 "paused": robot.paused, "ended_by": "", "goal": place if begun else None,
                 "reason": f"bid 7.2 m, the lowest of 4 clusters; {other.name} bids 9.1 m", "strategy": "tours",
                 "bids": bids, "unit": 7, "shares": {robot.name: place}, "left": [], "team_finished": [],
-                "auction_id": robot.auctions, "auction": self._auction(robot, other, place, bids) if begun else [],
+                "auction_id": int((self.now - 100.0) / AUCTION_PERIOD),
+                "auction": self._auction(robot, other, place, bids) if begun else [],
                 "area": round(float(np.count_nonzero(robot.known)) * RESOLUTION**2, 1), "rest": 300,
                 "limits": robot.limits, "way": round(SPEED * max(0.0, self.now - 100.0)),
             },
