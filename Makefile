@@ -9,7 +9,7 @@ demo: build
 
 test: build
 	@tools/install_dependencies browser
-	@$(ENVIRONMENT) tools/test
+	@$(ENVIRONMENT) tools/readable_by_all tools/test
 
 # Runs the commands of the README, of the tutorials and of all tables, shortened: five minutes.
 test-commands: build
