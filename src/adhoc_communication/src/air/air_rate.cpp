@@ -7,8 +7,17 @@ namespace adhoc_communication::air {
 namespace {
 
 constexpr double kGain = 0.125;  ///< of a measurement
+constexpr double kArrivalGain = 1.0 / 32.0;
+/// With each measurement, so that a radio that got slower is believed.
+constexpr double kLeastGrowth = 1.0 + 1.0 / 256.0;
 
 }  // namespace
+
+void AirRate::arrived(bool together) {
+  together_ += kArrivalGain * ((together ? 1.0 : 0.0) - together_);
+  jittered_ = together_ >= (jittered_ ? kJitterEnds : kJitterBegins);
+  if (jittered_) nanoseconds_per_octet_ = std::min(nanoseconds_per_octet_, least_);
+}
 
 void AirRate::sample(std::size_t octets, Time duration, Time now) {
   const double measured = static_cast<double>(duration.count()) / static_cast<double>(octets + kOverheadOctets);
@@ -18,6 +27,8 @@ void AirRate::sample(std::size_t octets, Time duration, Time now) {
   const double gain = undisturbed ? 1.0 : std::max(kGain, 1.0 / (samples_ + 1));
   if (samples_ >= kEnoughSamples) deviation_ += kGain * (std::abs(bounded - nanoseconds_per_octet_) - deviation_);
   nanoseconds_per_octet_ += gain * (bounded - nanoseconds_per_octet_);
+  least_ = std::min(measured, kLeastGrowth * least_);
+  if (jittered_) nanoseconds_per_octet_ = least_;
   nanoseconds_per_octet_ = std::clamp(nanoseconds_per_octet_, 1.0, 100'000.0);
   samples_ = std::min(samples_ + 1, kEnoughSamples);
   latest_[taken_++ % latest_.size()] = measured;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "wire/frame_header.hpp"
+
 namespace adhoc_communication::multicast {
 
 void Flooding::take(const MacAddress& from, const wire::GroupData& data, Time now) {
