@@ -67,6 +67,8 @@ def sample_robot(index: int, names: list[str], start: Pose, end: int) -> dict[st
                     {"x": 1.0, "y": 0.5, "bids": {name: 3.0 for name in names}, "explored_by": names[0]},
                     {"x": 2.0, "y": 0.5, "bids": {names[-1]: 8.0}},
                 ],
+                "answered": {name: 5.5 + index for name in names if name != names[index]},
+                "decided": 6.0 + index,
             },
             {"at": 30.0 + index, "id": 8, "clusters": 1},
         ],

@@ -36,6 +36,17 @@ def test_two_robots_explore_and_merge(finished):
         assert 0.3 < robot.moving <= 1.0
 
 
+def test_auctions_are_answered_after_they_were_opened_and_then_decided(finished):
+    """Nobody's bid counts that has not come."""
+    for name, robot in finished.robots.items():
+        decided = [auction for auction in robot.auctions if auction.decided is not None]
+        assert decided and any(auction.answered for auction in decided)
+        for auction in decided:
+            assert all(auction.at <= at <= auction.decided for at in auction.answered.values())
+            bidders = {bidder for offer in auction.offers for bidder in offer.bids}
+            assert bidders - {name} <= auction.answered.keys()
+
+
 def test_series_are_of_one_length_and_in_order(finished):
     for robot in finished.robots.values():
         assert len(robot.series.time) > 20

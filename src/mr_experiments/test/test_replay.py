@@ -161,16 +161,8 @@ def test_page_plays_in_a_browser(tmp_path, page):
             tab = await one.open(f"{path.as_uri()}#t=15")
             await tab.wait_for("document.getElementById('clock').textContent === '0:15 / 1:00'")
             assert await tab.run("document.querySelectorAll('#robots tr').length") == 2
-            auctions = "[...document.querySelectorAll('#auctions summary')].map((one) => one.textContent).join(' | ')"
-            took = "2 clusters, it took (1.0, 3.0)"
-            assert (
-                await tab.run(auctions)
-                == f"Last auction of robot_0: {took} | Last auction of robot_1: 2 clusters, none was for it"
-            )
             await tab.click("#robots tr:nth-child(2)")
             assert await tab.run("document.getElementById('view').value") == "1"
-            bids = "[...document.querySelectorAll('#auctions .hint')].map((one) => one.textContent)[1]"
-            await tab.wait_for(f"{bids} === 'bids: robot_1 8.0'")
             await tab.click("#play")
             await tab.wait_for("document.getElementById('clock').textContent === '1:00 / 1:00'")
             await tab.click("#events li:nth-child(3)")
@@ -178,6 +170,104 @@ def test_page_plays_in_a_browser(tmp_path, page):
             assert tab.errors == []
 
     asyncio.run(run())
+
+
+AUCTIONS = "[...document.querySelectorAll('#auctions summary')].map((one) => one.textContent)"
+ROWS = "[...document.querySelectorAll('#auctions details[open] tbody tr')]"
+BIDS = f"{ROWS}.map((row) => [...row.cells].map((cell) => cell.textContent))"
+NO_BID = "\N{EN DASH}"
+
+
+async def seek(tab, time):
+    slider = "const s = document.getElementById('slider');"
+    await tab.run(f"(() => {{ {slider} s.value = {time}; s.dispatchEvent(new Event('input')); }})()")
+    await tab.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+async def replayed(tmp_path, record, look):
+    """`look(tab)` at the replay of a record, from second 20 on."""
+    path = tmp_path / "page.html"
+    path.write_text(page_of(record), encoding="utf-8")
+    async with browser() as one:
+        tab = await one.open(f"{path.as_uri()}#t=20")
+        await tab.wait_for("document.getElementById('clock').textContent === '0:20 / 1:00'")
+        await look(tab)
+        assert tab.errors == []
+
+
+needs_browser = pytest.mark.skipif(
+    program() is None and not os.environ.get("REQUIRE_BROWSER"),
+    reason="no headless Chromium: run tools/install_dependencies browser",
+)
+
+
+@needs_browser
+def test_a_replay_shows_auctions_as_they_stood(tmp_path):
+    """An auction stood with its result, and with all bids, from its opening on."""
+    zero = "0:05robot_0: robot_0 (1.0, 3.0) at 3.0 · 1 of 2 to nobody yet"
+    nobody = ["(1.0, 4.0)", NO_BID, "8.0"]
+
+    async def look(tab):
+        await seek(tab, 4.9)
+        assert await tab.run(AUCTIONS) == []
+        await seek(tab, 5.2)
+        assert await tab.run(AUCTIONS) == ["0:05robot_0: open: 2 clusters, 0 others have answered"]
+        await tab.click("#auctions summary")
+        assert await tab.run(BIDS) == [["(1.0, 3.0)", "3.0"], ["(1.0, 4.0)", NO_BID]]
+        await seek(tab, 5.6)
+        assert await tab.run(AUCTIONS) == ["0:05robot_0: open: 2 clusters, 1 other has answered"]
+        assert await tab.run(BIDS) == [["(1.0, 3.0)", "3.0", "3.0"], nobody]
+        assert await tab.run("document.querySelectorAll('#auctions b').length") == 1, "the auctioneer, no winner"
+        await seek(tab, 6.2)
+        assert await tab.run(AUCTIONS) == ["0:06robot_1: open: 2 clusters, 0 others have answered", zero]
+        assert await tab.run(BIDS) == [["(1.0, 3.0)", "3.0", "3.0"], nobody], "it stays unfolded"
+        await seek(tab, 60.0)
+        lost = "1 cluster, no result is recorded"
+        assert (await tab.run(AUCTIONS))[:2] == [f"0:31robot_1: {lost}", f"0:30robot_0: {lost}"]
+        await tab.click("#robots tr:nth-child(1)")
+        await tab.wait_for(f"{AUCTIONS}.length === 2")
+        assert await tab.run(AUCTIONS) == [f"0:30robot_0: {lost}", zero]
+        await seek(tab, 5.2)
+        assert await tab.run(AUCTIONS) == ["0:05robot_0: open: 2 clusters, 0 others have answered"]
+
+    asyncio.run(replayed(tmp_path, sample_record(), look))
+
+
+@needs_browser
+def test_the_auctions_of_a_replay_are_the_newest_up_to_its_time(tmp_path):
+    """Nor is the list longer where robots held many."""
+    record = sample_record()
+    offer = {"x": 1.0, "y": 0.5, "bids": {"robot_0": 3.0}, "explored_by": "robot_0"}
+    many = [{"at": 0.5 * n, "id": n, "clusters": 1, "offers": [offer], "decided": 0.5 * n} for n in range(110)]
+    record["robots"]["robot_0"]["auctions"] = many
+    times = f"{AUCTIONS}.map((line) => line.slice(0, 4))"
+
+    async def look(tab):
+        for now, newest, count in ((10.0, 10.0, 22), (30.4, 30.0, 50), (50.0, 50.0, 50)):
+            await seek(tab, now)
+            found = await tab.run(times)
+            assert len(found) == count and found == sorted(found, reverse=True)
+            assert found[0] == f"0:{newest:02.0f}"
+
+    asyncio.run(replayed(tmp_path, record, look))
+
+
+@needs_browser
+def test_a_record_without_the_times_of_decisions_says_so(tmp_path):
+    """As those of before: the results stand from the opening on."""
+    record = sample_record()
+    for robot in record["robots"].values():
+        for auction in robot["auctions"]:
+            auction.pop("decided", None)
+            auction.pop("answered", None)
+    said = "!document.getElementById('undated').hidden"
+
+    async def look(tab):
+        await seek(tab, 5.2)
+        assert await tab.run(AUCTIONS) == ["0:05robot_0: robot_0 (1.0, 3.0) at 3.0 · 1 of 2 to nobody yet"]
+        assert await tab.run(said)
+
+    asyncio.run(replayed(tmp_path, record, look))
 
 
 # Places

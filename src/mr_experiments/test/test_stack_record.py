@@ -54,6 +54,7 @@ def log_of(name):
         {"kind": "goal_end", "at": START + 3.0, "outcome": "failed", "text": "no way"},
         {"kind": "goal", "at": START + 3.5, "id": 2, "x": 3.0, "y": 0.0},
         {"kind": "auction", "at": START + 0.5, "id": 17, "clusters": 4},
+        {"kind": "answer", "at": START + 0.75, "number": 17, "robot": "robot_1"},
         {"kind": "auction_result", "at": START + 1.0, "number": 17, "unit": 7, "offers": [OFFER]},
         {"kind": "note", "at": START + 3.0, "text": "explorer: no way", "warning": True},
         PLACED,
@@ -216,7 +217,10 @@ def test_a_mission_of_the_stack_is_replayed(missions):
         (1, 3, 3, "failed"), (3.5, None, 4, "")
     ]  # fmt: skip
     (opened,) = auctions
-    assert opened == {"at": 0.5, "id": 17, "clusters": 4, "unit": 7, "offers": [[2, 2, {"robot_1": 3.5}, "robot_1"]]}
+    assert opened == {
+        "at": 0.5, "id": 17, "clusters": 4, "unit": 7, "offers": [[2, 2, {"robot_1": 3.5}, "robot_1"]],
+        "answered": {"robot_1": 0.75}, "decided": 1,
+    }  # fmt: skip
     assert page["links"] == [[0, 30, 0, 1, False]] and page["team"]["explored"]
     assert {"robot_0 failed to reach its goal: no way", "robot_0: explorer: no way"} <= {
         event["text"] for event in page["events"]

@@ -96,11 +96,15 @@ def test_what_came_of_an_auction_is_told_once():
         "auction_result"
     ) == 2
     digest.auction(17, 1, 8.0)
+    digest.answer(17, "b", 8.5)
+    digest.answer(16, "b", 8.6)  # for the auction of another robot
     digest.auction_result(19, 7, [], 9.0)
     digest.auction_result(20, 7, [{**offer, "bids": {"a": math.inf}}], 9.5)
     told(digest, log)
     log.take(Sample(11.0), [{"kind": "auction_result", "at": 9.0, "number": 17, "unit": 7, "offers": [offer]}])
-    assert log.auctions(START) == (Auction(2.0, 17, 1, 7, (Offer(1.0, 2.0, {"a": 4.5, "b": 3.0}, "b"),)),)
+    assert log.auctions(START) == (
+        Auction(2.0, 17, 1, 7, (Offer(1.0, 2.0, {"a": 4.5, "b": 3.0}, "b"),), {"b": 2.5}, 3.0),
+    )
     assert "not finite" in log.notes(START, "a")[0].text
 
 

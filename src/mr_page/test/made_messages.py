@@ -2,8 +2,8 @@
 
 DECISION = {
     "paused": False, "ended_by": "", "goal": [3.0, 4.0], "reason": "bid 7.2 m, the lowest of 4 clusters",
-    "strategy": "tours", "bids": {"robot_0": 7.2}, "unit": 7, "auction": [], "shares": {}, "area": 12.5, "rest": None,
-    "left": [], "team_finished": [],
+    "strategy": "tours", "bids": {"robot_0": 7.2}, "unit": 7, "auction_id": 0, "auction": [], "shares": {},
+    "area": 12.5, "rest": None, "left": [], "team_finished": [],
 }  # fmt: skip
 EXPLORATION = {"state": "exploring", "text": "drives", "finished": False, "time": 3, "frontiers": 1, "clusters": 1}
 

@@ -1,7 +1,9 @@
 """The page of eight robots on 2000 x 2000 cells in a real browser: it is clicked through."""
 
 import asyncio
+import json
 import os
+import re
 
 import pytest
 from serving import served
@@ -41,7 +43,7 @@ def test_the_page_is_clicked_through(team):
             assert await tab.run(text("#status")) == "exploring"
             await views(tab)
             await panels(tab)
-            await lost_bids(tab)
+            await auctions(tab)
             await orders(tab)
             await limits(tab)
             await orders_by_radio(tab)
@@ -81,24 +83,37 @@ async def panels(tab):
         await tab.wait_for(f"({shown}).includes('{part}')")
 
 
-async def lost_bids(tab):
-    """The page showed the bids for what a robot chose, not those that others won or lost."""
+LINES = "[...document.querySelectorAll('.auctions details')]"
+TIMES = f"{LINES}.map((e) => e.querySelector('time').textContent.split(':').reduce((m, s) => 60 * m + +s))"
+
+
+async def auctions(tab):
+    """The newest of the team, those of one robot, and a line unfolded."""
     await tab.click("#tab-choices")
-    folded = "document.querySelector('#panels details')"
-    await tab.wait_for(f"{folded}?.textContent.includes('Last auction of robot_0: 3 clusters, it took')")
-    assert not await tab.run(f"{folded}.open")
-    await tab.click("#panels summary")
-    await tab.wait_for(
-        f"{folded}.open && {folded}.textContent.includes('explored by robot_1bids: robot_0 12.4 · robot_1 3.3')"
-    )
-    assert await tab.run(f"[...{folded}.querySelectorAll('b')].map((e) => e.textContent)") == [
-        "robot_0 7.2",
-        "robot_1 3.3",
+    await tab.wait_for(f"{LINES}.length === 50")
+    times = await tab.run(TIMES)
+    assert times == sorted(times, reverse=True) and times[0] > times[-1]
+    await tab.click("#robots tr:nth-child(2)")
+    await tab.wait_for(f"{LINES}.length > 5 && {LINES}.every((e) => e.querySelector('b').textContent === 'robot_1')")
+    line = await tab.run(f"{LINES}[1].querySelector('summary').textContent")
+    won = r"\(-?\d+\.\d, -?\d+\.\d\) at"
+    assert re.fullmatch(rf"\d+:\d\drobot_1: robot_1 {won} 7\.2 · robot_2 {won} 3\.3 · 4 of 6 to nobody yet", line), line
+    await tab.click(".auctions details:nth-child(2) summary")
+    unfolded = "document.querySelector('.auctions details[open]')"
+    await tab.wait_for(f"{unfolded}?.querySelector('table')")
+    heads = await tab.run(f"[...{unfolded}.querySelectorAll('th')].map((e) => e.textContent)")
+    assert heads == ["Cluster", "1", "0", *"234567"]
+    row = "[r.cells[0].firstChild.title, ...[...r.cells].slice(1, 4).map((c) => c.innerHTML)]"
+    rows = await tab.run(f"[...{unfolded}.querySelectorAll('tbody tr')].map((r) => {row})")
+    none = "<span>\N{EN DASH}</span>"
+    assert rows[:3] == [
+        ["explored by robot_1", "<b>7.2</b>", none, "<span>9.1</span>"],
+        ["explored by robot_2", "<span>12.4</span>", none, "<b>3.3</b>"],
+        ["explored by nobody yet", "<span>20.5</span>", none, none],
     ]
-    await tab.click("#tab-area")
-    await tab.click("#tab-choices")
-    assert await tab.run(f"{folded}.open")  # what is told anew folds nothing
-    await tab.click("#panels summary")
+    assert len(rows) == 6
+    await tab.click(".auctions details[open] summary")
+    await tab.click("#robots tr:nth-child(2)")
 
 
 async def orders(tab):
@@ -257,6 +272,57 @@ def test_a_phone_shows_everything_in_its_width(team, dark):
             ends = "['map', 'source'].map((id) => document.getElementById(id).getBoundingClientRect())"
             assert await tab.run(f"(([map, source]) => source.top >= map.bottom - 1)({ends})")
             assert await tab.run("document.documentElement.dataset.theme") == ("dark" if dark else "light")
+            assert tab.errors == []
+
+    asyncio.run(run())
+
+
+PICTURE = "document.getElementById('map').toDataURL()"
+
+
+def test_an_auction_is_to_be_seen_on_the_map_while_somebody_points_at_it():
+    """Or once it is unfolded, as long as it is in the list; new ones come on top of it, and fold nothing."""
+    state = PageState()
+    for name, x in (("anna", 0.0), ("bob", 3.0)):
+        state.put(name, "about", {"start": [x, 0.0, 0.0]})
+        state.put(name, "time", 70.0)
+        state.put(name, "pose", [1.0, 1.0, 0.0])
+        state.put(name, "decision", {"area": 5.0})
+        state.append(name, "auctions", [5.0 + x, 1, 1, [[2.0, x, {"anna": 4.0, "bob": 2.5}, "bob"]]])
+
+    async def run():
+        async with served(state) as address, browser() as one:
+            tab = await one.open(f"http://{address}/", 1300, 850)
+            await tab.wait_for("document.querySelectorAll('#robots tr').length === 2")
+            await tab.click("#tab-choices")
+            await tab.wait_for(f"{LINES}.length === 2")
+            assert await tab.run(f"{LINES}.map((e) => e.querySelector('summary').textContent)") == [
+                "0:08bob: bob (2.0, 3.0) at 2.5 m²", "0:05anna: bob (2.0, 0.0) at 2.5 m²"
+            ]  # fmt: skip
+            plain = json.dumps(await tab.run(PICTURE))
+            await tab.point_at(".auctions details:nth-child(1)")
+            await tab.wait_for(f"{PICTURE} !== {plain}")
+            pointed = json.dumps(await tab.run(PICTURE))
+            await tab.point_at(".auctions details:nth-child(2)")
+            await tab.wait_for(f"![{plain}, {pointed}].includes({PICTURE})")
+            await tab.point_at("h1")
+            await tab.wait_for(f"{PICTURE} === {plain}")
+            await tab.click(".auctions summary")
+            await tab.point_at("h1")
+            await tab.wait_for(f"{PICTURE} === {pointed}")
+            await tab.click("#tab-area")
+            await tab.wait_for(f"{PICTURE} === {plain}")
+            await tab.click("#tab-choices")
+            for number in range(2, 80):
+                state.append("anna", "auctions", [70.0 + number, number, 1, [[2.0, 0.0, {"anna": 4.0}, ""]]])
+                if number == 3:
+                    await tab.wait_for(f"{LINES}.length === 4")
+                    assert await tab.run(f"{LINES}.map((e) => e.open)") == [False, False, True, False]
+            await tab.wait_for(f"{LINES}.length === 50 && {LINES}[0].textContent.startsWith('2:29')")
+            assert await tab.run(f"{LINES}.map((e) => e.querySelector('time').textContent).join()") == ",".join(
+                f"{at // 60}:{at % 60:02}" for at in range(149, 99, -1)
+            )
+            await tab.wait_for(f"{PICTURE} === {plain}")
             assert tab.errors == []
 
     asyncio.run(run())

@@ -2,7 +2,12 @@
 
 import json
 
+import pytest
 from test_document import node
+
+from mr_page.stream import TOLD
+
+MOST = TOLD["auctions"]  # of a robot, and of the team
 
 SCRIPT = """
 globalThis.document = { createElement: () => ({ getContext: () => ({}) }) };
@@ -104,6 +109,35 @@ def test_streams_are_told_on_where_they_stopped():
 
     found = played([events(0, 3), events(3, 2)], "[live.robots[0].since('log', 3), live.robots[0].since('log', 5)]")
     assert [item[0] for item in found[0]["items"]] == [3, 4] and found[1] == {"items": [], "end": 5}
+
+
+def auctioned(name, *held):
+    return {"robots": {name: {"streams": {"auctions": [0, [[at, 1, 7, offers] for at, offers in held]]}}}}
+
+
+def test_the_newest_auctions_of_the_team_come_first_and_are_bounded():
+    updates = [
+        told("base", time=1700000050.0, about={"base": True}),
+        told("a", time=60.0),
+        auctioned("a", *((float(at), []) for at in range(0, 100, 2))),
+        auctioned("b", *((float(at), []) for at in range(1, 61, 2))),
+    ]
+    found = played(updates, "[live.robots, [live.robots[0]]].map((r) => live.auctions(r).map((a) => [a.robot, a.at]))")
+    every = sorted([[at, "ab"[at % 2]] for at in range(100) if at < 61 or at % 2 == 0], reverse=True)
+    assert found[0] == [[name, at] for at, name in every[:MOST]]
+    assert found[1] == [["a", at] for at in range(98, -1, -2)][:MOST]
+
+
+def test_clusters_of_an_auction_lie_where_the_map_of_the_auctioneer_is_placed():
+    offers = [[1.0, 0.0, {"a": 2.0}, "b"], [2.0, 0.0, {}, ""]]
+    updates = [
+        told("a", merger=merger(b=[5, 0, 1.5707963], c=None)),
+        auctioned("b", (3.0, offers)),
+        auctioned("c", (4.0, offers)),
+    ]
+    shown = "live.scene(0, {}, live.auctions([live.robots[%d]])[0]).auction"
+    assert played(updates, shown % 1)["clusters"] == [pytest.approx([5, 1, 1]), pytest.approx([5, 2, -1])]
+    assert played(updates, shown % 2) is None and played(updates, "live.scene(0, {}).auction") is None
 
 
 def test_a_run_that_begins_anew_forgets_the_former():

@@ -6,6 +6,7 @@ import pytest
 from mr_grid import OccupancyGrid, Pose
 from mr_page.past import PERIOD, Past, team_time
 from mr_page.state import PageState
+from mr_page.stream import TOLD
 from mr_page.tiles import BLANK, TILE
 from mr_page.update import decoded, encoded
 
@@ -82,6 +83,19 @@ def test_what_was_shown_is_shown_again(seed):
             assert shown(update) == expected
             assert (update.moment[0] or 0.0) <= asked <= update.moment[1]
     assert shown(past.at(-5.0, everything)) == was[0] and past.at(-5.0, everything).moment == (None, 2.0)
+
+
+def test_the_auctions_of_a_moment_are_the_newest_that_had_been_decided():
+    """As many as one sees now, although the newest of today are others."""
+    state, most = PageState(), TOLD["auctions"]
+    past = Past(state)
+    for number in range(3 * most):
+        state.put("a", "time", 2.0 * number)
+        state.append("a", "auctions", [2.0 * number, number, 7, []])
+        past.note(2.0 * number)
+    for asked, count in ((0.0, 1), (2.0 * most, most), (3.0 * most, most)):
+        _, items = past.at(asked, everything).robots["a"].streams["auctions"]
+        assert len(items) == count and items[-1][0] == asked
 
 
 def test_the_whole_mission_stays_more_coarsely():

@@ -6,9 +6,9 @@ import pytest
 from mr_grid import OccupancyGrid, Pose
 from mr_page import state as state_module
 from mr_page.state import PageState
-from mr_page.stream import LENGTHS, Stream
+from mr_page.stream import LENGTHS, TOLD, Stream
 from mr_page.tiles import TILE
-from mr_page.update import Update, decoded, encoded
+from mr_page.update import Changes, Update, decoded, encoded
 from mr_page.viewer import MAP_PERIOD, PERIOD, TILES, Viewer
 
 
@@ -83,6 +83,27 @@ def test_streams_are_bounded_and_go_on_behind_a_gap():
     other.apply(viewer.update(1.0))
     first, items = other.stream("a", "log").since(0)
     assert (first, len(items), items[-1]) == (2 * LENGTHS["log"], LENGTHS["log"], 3 * LENGTHS["log"] - 1)
+
+
+def test_who_comes_late_is_told_the_newest_auctions_and_then_each_new_one():
+    """The server keeps more of them, for the past."""
+    state, most = PageState(), TOLD["auctions"]
+    for number in range(2 * most):
+        state.append("a", "auctions", number)
+    viewer, other = Viewer(state), PageState()
+    first, items = viewer.update(0.0).robots["a"].streams["auctions"]
+    assert (first, items) == (most, list(range(most, 2 * most)))
+    other.apply(Update(robots={"a": Changes({}, {"auctions": (first, items)})}))
+    for number in range(2 * most, 3 * most):
+        state.append("a", "auctions", number)
+        update = viewer.update(float(number))
+        assert update.robots["a"].streams == {"auctions": (number, [number])}
+        other.apply(decoded(encoded(update)))
+    assert other.stream("a", "auctions").since(0) == (2 * most, list(range(2 * most, 3 * most)))
+    for number in range(LENGTHS["auctions"]):
+        state.append("a", "auctions", number)
+    stream = state.stream("a", "auctions")
+    assert stream.first == 3 * most and stream.since(0, stream.first + 7) == (stream.first, list(range(7)))
 
 
 def test_a_stream_takes_what_it_knows_only_once():

@@ -45,13 +45,15 @@ def test_a_choice_is_a_goal_that_is_another(state, watch):
     ]  # fmt: skip
 
 
-def test_all_bids_of_the_last_auction_are_kept_by_themselves(state, watch):
+def test_each_auction_is_told_once_with_all_bids(state, watch):
     """Those that lost, too; the decision that changes every second does not carry them along."""
+    watch.decision(decision(), 0.5)
     won = [1.0, 2.0, {"robot_0": 7.2, "robot_1": 9.1}, "robot_0"]
     offers = [won, [5.0, 6.0, {"robot_0": 3.1, "robot_1": 3.0}, "robot_1"]]
-    watch.decision(decision(auction=offers), 1.0)
-    assert state.get("robot_0", "auction") == {"offers": offers, "unit": 7}
-    assert "auction" not in state.get("robot_0", "decision")
+    for now, number, told in ((1.0, 4, offers), (2.04, 4, offers), (3.0, 5, offers[:1]), (4.0, 4, offers)):
+        watch.decision(decision(auction_id=number, auction=told, area=now), now)
+    assert items(state, "auctions") == [[1.0, 4, 7, offers], [3.0, 5, 7, offers[:1]], [4.0, 4, 7, offers]]
+    assert not {"auction", "auction_id"} & set(state.get("robot_0", "decision"))
 
 
 def test_the_known_area_goes_on_when_the_clock_was_set_back(state, watch):

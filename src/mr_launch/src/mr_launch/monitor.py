@@ -31,6 +31,7 @@ class Digest:
         self._goals = 0
         self._goal = ""  # move_base's name of the present one
         self._bids = 0
+        self._opened: int | None = None  # number of the auction that was opened last
         self._auction: int | None = None  # of which it was told last what came of it
         self._place: Pose | None = None  # told last
 
@@ -70,7 +71,13 @@ class Digest:
 
     def auction(self, number: int, clusters: int, now: float) -> None:
         """The robot opens one."""
+        self._opened = number
         self._happened("auction", now, id=number, clusters=clusters)
+
+    def answer(self, number: int, robot: str, now: float) -> None:
+        """Another robot's bids have come; those for auctions of others come, too, and are no news."""
+        if number == self._opened:
+            self._happened("answer", now, number=number, robot=robot)
 
     def auction_result(self, number: int, unit: int, offers: Sequence[Mapping[str, Any]], now: float) -> None:
         """What came of an auction of the robot; news once. `offers`: as `mr_measures.record.robot_record.Offer`."""

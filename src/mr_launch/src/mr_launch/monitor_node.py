@@ -75,6 +75,7 @@ class RobotMonitor(Monitor):
         rospy.Subscriber("map_merger/status", MergerStatus, self._on_merger, queue_size=2)
         rospy.Subscriber("explorer/status", ExplorationStatus, self._on_exploration, queue_size=2)
         rospy.Subscriber("explorer/sent_auctions", ExpAuction, self._on_auction, queue_size=50)
+        rospy.Subscriber("auction", ExpAuction, self._on_heard_auction, queue_size=50)
         rospy.Subscriber("move_base/goal", MoveBaseActionGoal, self._on_goal, queue_size=50)
         rospy.Subscriber("move_base/feedback", MoveBaseActionFeedback, self._on_feedback, queue_size=50)
         rospy.Subscriber("move_base/result", MoveBaseActionResult, self._on_goal_end, queue_size=50)
@@ -114,6 +115,10 @@ class RobotMonitor(Monitor):
             self._digest.bid()
         elif message.start_auction:
             self._digest.auction(message.auction_id, len(message.requested_clusters), rospy.get_time())
+
+    def _on_heard_auction(self, message: ExpAuction) -> None:
+        if not message.auction_status_message:
+            self._digest.answer(message.auction_id, message.robot_name.strip("/"), rospy.get_time())
 
     def _on_exploration(self, message: ExplorationStatus) -> None:
         self._digest.auction_result(message.auction_id, message.bid_unit, offers_of(message), rospy.get_time())

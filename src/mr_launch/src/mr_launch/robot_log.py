@@ -81,7 +81,9 @@ class RobotLog:
         elif kind == "auction":
             self._auctions.begin(Auction(at, **values))
         elif kind == "auction_result":
-            self._auctions.end(values["number"], values["unit"], [Offer(**offer) for offer in values["offers"]])
+            self._auctions.end(values["number"], at, values["unit"], [Offer(**offer) for offer in values["offers"]])
+        elif kind == "answer":
+            self._auctions.answer(values["number"], values["robot"], at)
         elif kind == "merge":
             place = values["transform"]
             self._merges.append(Merge(values["partner"], at, None if place is None else Pose(*place)))
@@ -99,7 +101,15 @@ class RobotLog:
         )
 
     def auctions(self, start: float) -> tuple[Auction, ...]:
-        return tuple(replace(auction, at=_since(auction.at, start)) for auction in self._auctions.auctions)
+        return tuple(
+            replace(
+                one,
+                at=_since(one.at, start),
+                answered={robot: _since(at, start) for robot, at in one.answered.items()},
+                decided=None if one.decided is None else _since(one.decided, start),
+            )
+            for one in self._auctions.auctions
+        )
 
     def merges(self, start: float, robots: Sequence[str]) -> tuple[Merge, ...]:
         """Of transforms to these robots."""

@@ -143,13 +143,19 @@ class Tab:
                 raise BrowserError(f"not so within {PATIENCE:.0f} s: {condition}; errors: {self.errors}")
             await asyncio.sleep(0.02)
 
-    async def click(self, selector: str) -> None:
-        """A real click in the middle of an element, which is scrolled into view."""
+    async def point_at(self, selector: str) -> tuple[float, float]:
+        """The mouse goes to the middle of an element, which is scrolled into view; where that is, pixels."""
         x, y = await self.run(
             f"(() => {{ const e = document.querySelector({json.dumps(selector)}); "
             "e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect(); "
             "return [b.left + b.width / 2, b.top + b.height / 2]; })()"
         )
+        await self.call("Input.dispatchMouseEvent", {"type": "mouseMoved", "x": x, "y": y})
+        return x, y
+
+    async def click(self, selector: str) -> None:
+        """A real click in the middle of an element, which is scrolled into view."""
+        x, y = await self.point_at(selector)
         for kind in ("mousePressed", "mouseReleased"):
             event = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1}
             await self.call("Input.dispatchMouseEvent", event)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import zlib
 from bisect import bisect_right
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from mr_page.state import PageState, RobotView
 from mr_page.stream import Stream
@@ -86,7 +86,7 @@ class Past:
         begin = moment.time if index else None
         update = Update(anew=list(moment.robots), moment=(begin, max([time, *(one.time for one in after)])))
         for name, robot in moment.robots.items():
-            streams = {key: _until(robot.streams[key], end) for key, end in robot.ends.items()}
+            streams = {key: robot.streams[key].since(0, end) for key, end in robot.ends.items()}
             update.robots[name] = Changes(json.loads(zlib.decompress(robot.values)), streams)
         runs = {robot.run: name for name, robot in moment.robots.items()}
         for (run, kind, _), film in self._films.items():
@@ -160,12 +160,6 @@ def _robot(view: RobotView, before: _Robot | None) -> _Robot:
     if before is not None and before.values == values:
         values = before.values
     return _Robot(view.run, values, view.streams, {key: stream.end for key, stream in view.streams.items()})
-
-
-def _until(stream: Stream, end: int) -> tuple[int, list[Any]]:
-    """What is still there of the items before number `end`, and the number of the first of them."""
-    first, items = stream.since(0)
-    return min(first, end), items[: max(0, end - first)]
 
 
 def team_time(state: PageState) -> float | None:

@@ -33,6 +33,7 @@ def decision_values(message: Any) -> dict[str, Any]:
         "strategy": message.strategy,
         "bids": _bids(message.bids),
         "unit": message.bid_unit,
+        "auction_id": message.auction_id,
         "auction": [
             [*_place(offer.place), _bids(offer.bids), offer.explored_by]
             for offer in message.auction[:MOST]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import Any, Iterator
 
-from mr_page.stream import LENGTHS, Stream
+from mr_page.stream import LENGTHS, TOLD, Stream
 from mr_page.tiles import TiledMap
 from mr_page.update import Update
 
@@ -66,7 +66,7 @@ class PageState:
         """KeyError for a kind of stream that there is not."""
         streams = self.robot(robot).streams
         if name not in streams:
-            streams[name] = Stream(LENGTHS[name])
+            streams[name] = Stream(LENGTHS[name], TOLD.get(name))
         return streams[name]
 
     def map(self, robot: str, kind: str) -> TiledMap:

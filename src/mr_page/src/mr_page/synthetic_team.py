@@ -22,6 +22,7 @@ REACH = 40.0  # m of the radio
 SPEED = 0.5  # m/s
 STEP = 0.1  # s
 MAP_PERIOD = 2.0  # s
+AUCTION_PERIOD = 4.0  # s between two auctions of a robot
 COMMANDS = ("start", "pause", "resume", "stop", "go_home", SET_LIMITS)
 CONTROL = (
     "team_pause",
@@ -207,9 +208,6 @@ class SyntheticTeam:
         frontiers = [robot.local(*self._beside(robot, angle)) for angle in np.linspace(0.0, 2.0 * math.pi, 40)]
         other = self.robots[(self.robots.index(robot) + 1) % len(self.robots)]
         bids = {robot.name: 7.2, other.name: 9.1}
-        lost = {robot.name: 12.4, other.name: 3.3}
-        there = [round(value, 2) for value in robot.local(*robot.centre(other.goals[0] if other.goals else other.room))]
-        auction = [[*place, bids, robot.name], [*there, lost, other.name], [1.0, 2.0, {robot.name: 20.5}, ""]]
         robot.watch.exploration(
             {
                 "state": "exploring" if begun else "starting", "text": "drives to a frontier", "finished": False,
@@ -223,7 +221,8 @@ class SyntheticTeam:
                 "paused": robot.paused, "ended_by": "", "goal": place if begun else None,
                 "reason": f"bid 7.2 m, the lowest of 4 clusters; {other.name} bids 9.1 m", "strategy": "tours",
                 "bids": bids, "unit": 7, "shares": {robot.name: place}, "left": [], "team_finished": [],
-                "auction": auction if begun else [],
+                "auction_id": int((self.now - 100.0) / AUCTION_PERIOD),
+                "auction": self._auction(robot, other, place, bids) if begun else [],
                 "area": round(float(np.count_nonzero(robot.known)) * RESOLUTION**2, 1), "rest": 300,
                 "limits": robot.limits, "way": round(SPEED * max(0.0, self.now - 100.0)),
             },
@@ -233,6 +232,19 @@ class SyntheticTeam:
         robot.watch.cluster(0, frontiers[:8])
         robot.watch.cluster(1, frontiers[20:26])
         robot.watch.points("plan", [robot.local(*robot.position), place])
+
+    def _auction(
+        self, robot: SyntheticRobot, other: SyntheticRobot, place: list[float], bids: dict[str, float]
+    ) -> list[list[Any]]:
+        """What two of the robots explore, a cluster that only one knows, and three for which all bid in vain."""
+        there = [round(value, 2) for value in robot.local(*robot.centre(other.goals[0] if other.goals else other.room))]
+        lost = {robot.name: 12.4, other.name: 3.3}
+        offers = [[*place, bids, robot.name], [*there, lost, other.name], [1.0, 2.0, {robot.name: 20.5}, ""]]
+        for room in ((2, 2), (2, 7), (7, 7)):
+            x, y = robot.centre(room)
+            told = {one.name: round(math.dist(one.position, (x, y)), 2) for one in self.robots}
+            offers.append([*(round(value, 2) for value in robot.local(x, y)), told, ""])
+        return offers
 
     def _overview(self) -> dict[str, Any]:
         members = {

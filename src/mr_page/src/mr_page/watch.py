@@ -33,6 +33,7 @@ class RobotWatch:
         self._driven = 0.0
         self._area_at = -math.inf
         self._choice: tuple[float, float] | None = None
+        self._auction: int | None = None  # number of the one that was told last
         self._placed: dict[str, bool] = {}
         self._neighbors: set[str] | None = None
         self._traffic: tuple[float, int, int] | None = None
@@ -74,10 +75,13 @@ class RobotWatch:
         self._stage = stage
 
     def decision(self, values: Values, now: float) -> None:
-        """Of explorer/ExplorationStatus: what the robot explores and why, and all bids of its last auction."""
+        """Of explorer/ExplorationStatus: what the robot explores and why, and all bids of its last auction, which is
+        news once."""
         told = dict(values)
-        # Kept by itself: it changes seldom, the rest every second.
-        self._state.put(self._robot, "auction", {"offers": told.pop("auction"), "unit": values["unit"]})
+        number, offers = told.pop("auction_id"), told.pop("auction")
+        if offers and number != self._auction:
+            self._auction = number
+            self._state.append(self._robot, "auctions", [round(now, 1), number, values["unit"], offers])
         self._state.put(self._robot, "decision", told)
         if not 0.0 <= now - self._area_at < AREA_PERIOD:  # also when the clock was set back
             self._area_at = now

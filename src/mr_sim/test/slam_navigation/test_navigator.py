@@ -416,6 +416,18 @@ def test_who_may_have_followed_is_asked_for_manoeuvres_only() -> None:
     assert asked
 
 
+def test_what_drives_ahead_best_is_looked_for_once_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was twice where there is no room to turn."""
+    sides = np.array([(x, y, 0.0, 0.0) for x in np.arange(0.6, 1.4, 0.02) for y in (1.77, 2.23)])
+    way = plan(CostMap(room(), navigation_with()), np.empty((0, 2)), Pose(1.0, 2.0, 0.0), (2.0, 3.0), 0.5)
+    assert way is not None
+    looked, choose = [], _navigation.choose_velocity
+    monkeypatch.setattr(_navigation, "choose_velocity", lambda *of: (looked.append(of), choose(*of))[1])
+    follower, hazards = Follower(Motion(navigation_with()), navigation_with()), Hazards(sides, nobody)
+    velocity = follower.follow(0.0, way, Pose(1.0, 2.0, 0.0), hazards, stuck=False)
+    assert velocity and velocity[0] > 0.0 and len(looked) == 1
+
+
 def test_a_robot_at_speed_brakes_before_it_plans_a_manoeuvre(monkeypatch: pytest.MonkeyPatch) -> None:
     """It was planned for a robot that stands: one of a metre came 0.4 m farther, and back, before it began."""
     options = navigation_with(max_linear_velocity=1.0)

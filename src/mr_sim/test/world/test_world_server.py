@@ -1,5 +1,6 @@
 """The world process: its protocol, its patience with bad and dead clients, its pace and its messages."""
 
+import contextlib
 import json
 import os
 import selectors
@@ -79,7 +80,8 @@ def states(client, until):
     return seen, ranges
 
 
-def test_a_world_takes_all_of_its_robots_and_a_bounded_number_of_others(start):
+def test_a_world_takes_all_of_its_robots_and_a_bounded_number_of_others(start, monkeypatch):
+    monkeypatch.setattr("mr_sim.world_server.HELLO_PATIENCE", 1000.0)
     names = [f"r{index}" for index in range(SPARE_CONNECTIONS + 6)]
     rovers = "".join(f'rover ( name "{name}" pose [ {index} 0 0 0 ] )\n' for index, name in enumerate(names))
     running = start(rovers, real_time_factor=0.0, duration=0.1)
@@ -111,17 +113,20 @@ def test_time_begins_when_all_robots_are_there(start):
 
 def test_commands_move_the_robot_that_sends_them(start):
     running = start(real_time_factor=5.0)
-    first, second = running.connect("a"), running.connect("b")
+    first = running.connect("a")
     first.command(0.5, 0.0)
+    second = running.connect("b")
     moved = next(s for s in states(first, 1.0)[0] if s.pose[0] > 0.2)
     assert moved.wheels == (0.5, 0.0, 0.0) and moved.velocity[0] == pytest.approx(0.5)
     assert all(s.pose == (0, 2, 0) for s in states(second, 1.0)[0])
 
 
 def test_commands_aside_reach_an_omnidirectional_robot(start):
-    running = start('rover ( name "a" drive "omni" velocity_bounds [ -1 1 -1 1 0 0 -90 90 ] )', real_time_factor=5.0)
+    omnidirectional = 'rover ( name "a" drive "omni" velocity_bounds [ -1 1 -1 1 0 0 -90 90 ] )'
+    running = start(f'{omnidirectional}\nrover ( name "b" pose [ 0 2 0 0 ] )', real_time_factor=5.0)
     client = running.connect("a")
     client.command(0.0, 0.0, lateral=0.4)
+    running.connect("b")
     moved = next(s for s in states(client, 1.0)[0] if s.pose[1] > 0.1)
     assert moved.wheels == (0.0, 0.4, 0.0) and moved.odometry[1] == pytest.approx(moved.pose[1], rel=0.1)
 
@@ -214,29 +219,51 @@ def test_intensities_come_before_their_ranges_if_the_world_tells_them(make_world
     assert (sweeps[0].intensities == (sweeps[1].ranges < 8.0)).all()
 
 
-def test_dead_robot_stands_still_the_world_goes_on_and_it_may_return(start):
+def test_dead_robot_stands_still_the_world_goes_on_and_it_may_return(start, monkeypatch):
     running = start(real_time_factor=5.0)
-    first, second = running.connect("a"), running.connect("b")
+    world, step, dead = running.server.world, running.server.world.step, threading.Event()
+
+    def step_until_it_dies():
+        assert world.steps != 6 or dead.wait(20.0)
+        step()
+
+    monkeypatch.setattr(world, "step", step_until_it_dies)
+    first = running.connect("a")
     first.command(0.5, 0.0)
+    second = running.connect("b")
     states(first, 0.3)
     first.close()
+    dead.set()
     later = states(second, 2.0)[0][-1].time
     again = running.connect("a")
     seen = states(again, later + 1.0)[0]
-    assert 0.05 < seen[0].pose[0] < 0.5
+    assert 0.15 <= seen[0].pose[0] <= 0.2, "0.5 m/s for the six steps of 0.05 s and those until it is missed"
     assert len({s.pose for s in seen}) == 1 and seen[0].wheels == (0, 0, 0)
     assert any(line.startswith("a is gone (") for line in running.said)
 
 
-def test_robot_that_does_not_read_holds_time_and_is_then_given_up(start, monkeypatch):
+def test_robot_that_does_not_read_holds_time_and_is_then_given_up(make_world, tmp_path, monkeypatch):
+    """The other one reads whenever the server looks for messages, so that only the silent one is waited for."""
     monkeypatch.setattr("mr_sim.world_server.CLIENT_PATIENCE", 0.3)
-    running = start(real_time_factor=0.0, duration=60.0)
-    dead = running.raw()
-    dead.send(p.encode_hello("a"))
-    alive = running.connect("b")
-    seen, _ = states(alive, 60.0)
-    assert len(seen) == 1200, "nothing skipped"
-    assert any("did not read for 0.3 s" in line for line in running.said)
+    select, path, said, seen = selectors.DefaultSelector.select, str(tmp_path / "socket"), [], []
+    server = WorldServer(make_world(TWO), listen(path), real_time_factor=0.0, duration=60.0, say=said.append)
+    with contextlib.ExitStack() as sockets:
+        silent, reading = (sockets.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)) for _ in "ab")
+        for robot, name in ((silent, "a"), (reading, "b")):
+            robot.connect(path)
+            robot.send(p.encode_hello(name))
+        reading.setblocking(False)
+
+        def read():
+            with contextlib.suppress(BlockingIOError):
+                while packet := reading.recv(p.MAX_PACKET):
+                    seen.append(p.decode(packet))
+
+        monkeypatch.setattr(selectors.DefaultSelector, "select", lambda *waiting: (read(), select(*waiting))[1])
+        server.run()
+        read()
+    assert sum(isinstance(message, p.State) for message in seen) == 1200, "nothing skipped"
+    assert any("did not read for 0.3 s" in line for line in said)
 
 
 def test_connection_without_hello_is_closed(start, monkeypatch):

@@ -54,7 +54,9 @@ class ExplorerListener(Protocol):
 
     def on_auction_message(self, auction: messages.Auction, now: float) -> None: ...
 
-    def on_auction_result(self, result: AuctionResult) -> None: ...
+    def on_answer(self, auction: messages.Auction, now: float) -> None: ...
+
+    def on_auction_result(self, result: AuctionResult, now: float) -> None: ...
 
     def on_note(self, text: str, warning: bool, now: float) -> None: ...
 
@@ -182,6 +184,8 @@ class Explorer:
             return True
         with self._stopwatch.span("messages"):
             auction = _auction(self._wire, octets)
+        if not auction.status:
+            self._listener.on_answer(auction, now)
         with self._stopwatch.span("exploration"):
             hurried = self.agent.on_auction(auction, now)
         if hurried:
@@ -199,7 +203,7 @@ class Explorer:
         result = self.agent.mission.last_auction
         if result is not None and result is not self._last_auction:
             self._last_auction = result
-            self._listener.on_auction_result(result)
+            self._listener.on_auction_result(result, now)
 
     def _carry_out(self, effect: messages.Effect, now: float) -> None:
         if isinstance(effect, messages.SetGoal):

@@ -199,8 +199,13 @@ class Recorder:
             opened = Auction(self._since(now), auction.auction_id, len(auction.requested))
             self.logs[robot].auctions.begin(opened)
 
-    def on_auction_result(self, robot: int, result: auction_result.AuctionResult) -> None:
-        self.logs[robot].auctions.end(result.auction_id, result.unit, map(_offer_of, result.offers))
+    def on_answer(self, robot: int, auction: messages.Auction, now: float) -> None:
+        """The robot hears it; it need not be for its own auction."""
+        self.logs[robot].auctions.answer(auction.auction_id, auction.robot, self._since(now))
+
+    def on_auction_result(self, robot: int, result: auction_result.AuctionResult, now: float) -> None:
+        offers = map(_offer_of, result.offers)
+        self.logs[robot].auctions.end(result.auction_id, self._since(now), result.unit, offers)
 
     def on_global_map(self, robot: int, grid: OccupancyGrid, now: float) -> None:
         log = self.logs[robot]

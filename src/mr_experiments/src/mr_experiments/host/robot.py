@@ -36,7 +36,9 @@ class Observer(Protocol):
 
     def on_auction(self, robot: int, auction: messages.Auction, now: float) -> None: ...
 
-    def on_auction_result(self, robot: int, result: AuctionResult) -> None: ...
+    def on_answer(self, robot: int, auction: messages.Auction, now: float) -> None: ...
+
+    def on_auction_result(self, robot: int, result: AuctionResult, now: float) -> None: ...
 
     def on_global_map(self, robot: int, grid: OccupancyGrid, now: float) -> None: ...
 
@@ -181,8 +183,11 @@ class Robot:
     def on_auction_message(self, auction: messages.Auction, now: float) -> None:
         self._observer.on_auction(self.index, auction, now)
 
-    def on_auction_result(self, result: AuctionResult) -> None:
-        self._observer.on_auction_result(self.index, result)
+    def on_answer(self, auction: messages.Auction, now: float) -> None:
+        self._observer.on_answer(self.index, auction, now)
+
+    def on_auction_result(self, result: AuctionResult, now: float) -> None:
+        self._observer.on_auction_result(self.index, result, now)
 
     def _on_goal_end(self, goal_id: int, reached: bool, text: str) -> None:
         outcome = messages.REACHED if reached else messages.FAILED

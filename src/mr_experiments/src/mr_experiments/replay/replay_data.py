@@ -74,7 +74,8 @@ def goals(robot: RobotRecord) -> list[dict[str, Any]]:
 
 def auctions(robot: RobotRecord) -> list[dict[str, Any]]:
     """Auctions that a robot opened: time "at", "id" and number of "clusters"; what came of them as "offers" (x, y in
-    the world frame, {robot: bid}, robot that explored it or empty) with bids in "unit"."""
+    the world frame, {robot: bid}, robot that explored it or empty) with bids in "unit"; when others' bids came as
+    "answered" ({robot: time}), and when it was "decided" (None: not recorded)."""
     return [
         {
             "at": _moment(one.at),
@@ -82,6 +83,8 @@ def auctions(robot: RobotRecord) -> list[dict[str, Any]]:
             "clusters": one.clusters,
             "unit": one.unit,
             "offers": [_offer(offer, robot.start) for offer in one.offers],
+            "answered": {name: _moment(at) for name, at in one.answered.items()},
+            "decided": _moment(one.decided),
         }
         for one in robot.auctions
     ]

@@ -30,7 +30,7 @@ class GoalLog:
 
 
 class AuctionLog:
-    """Of one robot."""
+    """Of one robot. Times in s of any one clock."""
 
     def __init__(self) -> None:
         self.auctions: list[Auction] = []
@@ -38,11 +38,22 @@ class AuctionLog:
     def begin(self, auction: Auction) -> None:
         self.auctions.append(auction)
 
-    def end(self, number: int, unit: int, offers: Iterable[Offer]) -> None:
+    def answer(self, number: int, robot: str, at: float) -> None:
+        """Another robot has answered the open auction of this number; answers to others and late ones do not count."""
+        latest = self._latest(number)
+        if latest is not None and self.auctions[latest].decided is None:
+            answered = self.auctions[latest].answered
+            self.auctions[latest] = replace(self.auctions[latest], answered={robot: at, **answered})
+
+    def end(self, number: int, at: float, unit: int, offers: Iterable[Offer]) -> None:
         """What came of the latest auction of this number, if there is one."""
-        latest = max((i for i, auction in enumerate(self.auctions) if auction.id == number), default=None)
+        latest = self._latest(number)
         if latest is not None:
-            self.auctions[latest] = replace(self.auctions[latest], unit=unit, offers=tuple(offers))
+            self.auctions[latest] = replace(self.auctions[latest], unit=unit, offers=tuple(offers), decided=at)
+
+    def _latest(self, number: int) -> int | None:
+        """Where it is."""
+        return max((i for i, auction in enumerate(self.auctions) if auction.id == number), default=None)
 
 
 class NoteLog:

@@ -66,13 +66,16 @@ class Offer:
 @dataclass(frozen=True)
 class Auction:
     """One that the robot opened, on so many clusters of frontiers. `offers`: what came of it, where that is known, with
-    bids in `unit` (1: m^2, else the number of the strategy whose bids they are)."""
+    bids in `unit` (1: m^2, else the number of the strategy whose bids they are). `answered`: when bids of others came,
+    {robot: s}; `decided`: when, None where that was not recorded."""
 
     at: float
     id: int | None = None
     clusters: int = 0
     unit: Annotated[int, SPARSE] = 0
     offers: Annotated[tuple[Offer, ...], SPARSE] = ()
+    answered: Annotated[Mapping[str, float], SPARSE] = field(default_factory=dict)
+    decided: Annotated[float | None, SPARSE] = None
 
 
 @dataclass(frozen=True)

@@ -153,6 +153,23 @@ export function drawAuctions(context, { camera, theme }, scene) {
   });
 }
 
+/** The clusters of an auction in the colours of those who explore them, and rings around these. */
+export function drawAuction(context, { camera, theme }, { auction, robots }) {
+  const ringed = (x, y, radius, style) => {
+    ring(context, x, y, radius, theme.css.halo, 7);
+    ring(context, x, y, radius, style, 3);
+  };
+  for (const [x, y, by] of auction?.clusters ?? []) {
+    const at = camera.toScreen(x, y), style = by < 0 ? theme.css.soft : theme.colour(by);
+    ringed(...at, 11, style);
+    disc(context, ...at, 4, style);
+  }
+  for (const by of new Set(auction?.clusters.map((cluster) => cluster[2]))) {
+    const pose = robots[by]?.pose;
+    if (pose) ringed(...camera.toScreen(pose.x, pose.y), 17, theme.colour(by));
+  }
+}
+
 export function drawRobots(context, view, scene) {
   scene.robots.forEach((robot, i) => robot.pose && drawRobot(context, view, robot, i));
 }

@@ -1,10 +1,11 @@
 // What a running team tells, as a source of scenes. Values and streams are described in mr_page.watch and stream.
 
+import { MOST } from "./auctions.js";
 import { placed } from "./layers.js";
 import { TiledMap } from "./tiled_map.js";
 
 export const TEAM = -1; // the view in which all maps lie where they are in the world
-const KEPT = { trail: 6000 }; // items of a stream; of the others
+const KEPT = { trail: 6000, auctions: MOST }; // items of a stream; of the others
 const KEPT_OTHERS = 2500;
 const OTHER_CLOCK = 3600; // s between two clocks that are not the same
 const MARGIN = 0.6; // m around everything
@@ -177,8 +178,16 @@ export class Live {
     return shown?.told ? [[shown.name, "global"], ...told.map(({ name }) => [name, "local"])] : [];
   }
 
-  /** `show`: {merged, own}: which maps. */
-  scene(view, show) {
+  /** The newest auctions of some robots, as an AuctionHistory lists them. */
+  auctions(robots) {
+    const held = robots.flatMap((robot) => robot.stream("auctions").map(([at, number, unit, offers]) => (
+      { key: `${robot.name} ${number} ${at}`, robot: robot.name, at, unit, offers }
+    )));
+    return held.sort((a, b) => b.at - a.at).slice(0, MOST);
+  }
+
+  /** `show`: {merged, own}: which maps. `auction`: that is to be seen, null: none. */
+  scene(view, show, auction = null) {
     const places = this.robots.map((robot) => this._place(view, robot)), now = this.now;
     return {
       view,
@@ -189,6 +198,7 @@ export class Live {
       robots: this.robots.map((robot, i) => this._robot(robot, places[i], view, now)),
       links: this.links(),
       merges: this._merges(now),
+      auction: this._auction(view, auction),
     };
   }
 
@@ -262,6 +272,12 @@ export class Live {
       auctions: robot.stream("choices").slice(-3)
         .map(([time]) => ({ age: (now - time) / FLASH, text: "" })).filter(({ age }) => age >= 0 && age <= 1),
     };
+  }
+
+  _auction(view, auction) {
+    const robot = this.robots[this.number(auction?.robot)], place = robot && this._place(view, robot);
+    if (!place) return null;
+    return { clusters: auction.offers.map(([x, y, , by]) => [...placed(place, x, y), this.number(by)]) };
   }
 
   _merges(now) {

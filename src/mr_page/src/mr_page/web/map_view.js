@@ -3,7 +3,7 @@
 import { Camera } from "./camera.js";
 import { byId, checkBox, setText } from "./dom.js";
 import { blit, drawPicture, sized } from "./drawing.js";
-import { Trails, drawAuctions, drawClusters, drawFrontiers, drawGoals, drawLinks, drawMerges, drawNames, drawRobots } from "./layers.js";
+import { Trails, drawAuction, drawAuctions, drawClusters, drawFrontiers, drawGoals, drawLinks, drawMerges, drawNames, drawRobots } from "./layers.js";
 
 const OVER_MAPS = { // in the order in which they are drawn
   clusters: drawClusters, frontiers: drawFrontiers, links: drawLinks, goals: drawGoals,
@@ -18,6 +18,7 @@ const OVER_MAPS = { // in the order in which they are drawn
  *     goal: {x, y} or null, plan, frontiers: [[x, y]], clusters: [[[x, y]]], auctions: [{age: 0 to 1, text}], body:
  *     [polygons], radioOff}]
  *   links: [{a, b, both, loss (0 to 1 or null)}]; merges: [{a, b, age: 0 to 1, kind}]; robots by their numbers
+ *   auction: {clusters: [[x, y, number of who explores it or -1]]} that is to be seen, or null
  */
 export class MapView {
   /** `layers`: {name: label} of those that can be switched; `changed()`: draw again, please. */
@@ -59,6 +60,7 @@ export class MapView {
     drawMerges(context, this, scene);
     for (const [name, draw] of Object.entries(OVER_MAPS)) if (this.show[name]) draw(context, this, scene);
     drawAuctions(context, this, scene);
+    drawAuction(context, this, scene);
     drawRobots(context, this, scene);
     if (this.show.names) drawNames(context, this, scene);
     this._drawScale();

@@ -1,9 +1,9 @@
 // The panels of a running team beside its map. Each has a title and fills itself when it is shown.
 
-import { LastAuctions, bidLine } from "./auctions.js";
+import { AuctionHistory, bidText } from "./auctions.js";
 import { Chart } from "./chart.js";
 import { byId, button, bytes, clock, fixed, kilobits, make, setText } from "./dom.js";
-import { Filled, swatch } from "./elements.js";
+import { Filled, swatch, table } from "./elements.js";
 import { EventList } from "./event_list.js";
 
 /** Shows one panel at a time. */
@@ -23,35 +23,19 @@ export class Tabs {
       panel.element.hidden = i !== number;
       this._buttons[i].setAttribute("aria-selected", String(i === number));
     });
-    if (this._live) this.fill(this._live, this._view);
+    if (this._filled) this.fill(...this._filled);
     this._panels[number].shown?.();
   }
 
-  fill(live, view) {
-    Object.assign(this, { _live: live, _view: view });
-    for (const [i, panel] of this._panels.entries()) if (i === this._shown || panel.always) panel.fill(live, view);
+  /** `view`: number of the robot whose map is shown; `chosen`: of the one that somebody has chosen; TEAM: none. */
+  fill(live, view, chosen) {
+    this._filled = [live, view, chosen];
+    for (const [i, panel] of this._panels.entries()) if (i === this._shown || panel.always) panel.fill(...this._filled);
   }
 }
 
 /** The robots that a view is about: all, or the one whose map is shown. */
 const about = (live, view) => (view < 0 ? live.robots : [live.robots[view]]).filter((robot) => robot?.told);
-
-function table(heads, rows) {
-  const element = make("table"), head = make("tr"), body = make("tbody"), top = make("thead");
-  head.append(...heads.map((text) => make("th", text)));
-  top.append(head);
-  for (const cells of rows) {
-    const row = make("tr");
-    row.append(...cells.map((cell) => {
-      const made = make("td");
-      made.append(cell ?? "–");
-      return made;
-    }));
-    body.append(row);
-  }
-  element.append(top, body);
-  return element;
-}
 
 /** Known area over time. */
 export class AreaPanel {
@@ -80,22 +64,27 @@ function drawStreams(chart, theme, live, stream, value) {
   chart.draw(span.end, lines.map((one) => ({ value: one.value.at(-1) ?? null, colour: one.colour, radius: 2.5 })));
 }
 
-/** Who chose what and why, and all bids of the last auctions, those that lost, too. */
+/** All bids of the newest auctions, those that lost, too, and who chose what and why. */
 export class ChoicePanel {
-  constructor(theme) {
+  /** `changed()`: another auction is to be seen on the map. */
+  constructor(theme, changed) {
     this.name = "choices";
     this.title = "Auctions";
     this.element = make("div");
     const list = make("ol", undefined, "list"), auctions = make("div");
-    this.element.append(auctions, list);
+    this.element.append(auctions, make("h3", "Goals"), list);
     this._filled = new Filled(list);
-    this._auctions = new LastAuctions(auctions, theme);
+    this._auctions = new AuctionHistory(auctions, theme, "in the map of who holds the auction", changed);
     this._theme = theme;
   }
 
-  fill(live, view) {
-    const held = about(live, view).filter(({ values }) => values.auction?.offers.length);
-    this._auctions.fill(held.map(({ name, values }) => [name, values.auction]), (name) => live.number(name));
+  /** The auction that is to be seen on the map; null: none. */
+  get pointedAt() {
+    return this.element.hidden ? null : this._auctions.pointedAt;
+  }
+
+  fill(live, view, chosen) {
+    this._auctions.fill(live.auctions(about(live, chosen)), live.begin, live.robots.map(({ name }) => name));
     const all = about(live, view).flatMap((robot) => robot.stream("choices").slice(-30).map((item) => ({ robot, item })));
     all.sort((a, b) => b.item[0] - a.item[0]);
     const newest = all.slice(0, 40);
@@ -107,7 +96,8 @@ export class ChoicePanel {
   _line(live, { robot, item: [time, x, y, reason, bids, unit] }) {
     const item = make("li"), text = make("div");
     text.append(make("b", robot.name), ` to (${fixed(x, 1)}, ${fixed(y, 1)}): ${reason || "no reason given"}`);
-    if (Object.keys(bids).length) text.append(bidLine(bids, unit));
+    const told = Object.entries(bids).map(([name, bid]) => `${name} ${bidText(bid, unit)}`);
+    if (told.length) text.append(make("div", `bids: ${told.join(" · ")}`, "hint"));
     item.append(make("time", clock(time - live.begin)), swatch(this._theme, live.number(robot.name)), text);
     return item;
   }

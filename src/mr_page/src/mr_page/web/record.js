@@ -1,5 +1,6 @@
 // A recorded mission as a source of scenes. What `data` holds is described in mr_experiments.replay.replay.
 
+import { MOST } from "./auctions.js";
 import { clamp } from "./dom.js";
 import { Film, GrowingMap, loadImage, painted } from "./record_maps.js";
 import { indexAt, valueAt } from "./series.js";
@@ -17,6 +18,8 @@ export class Record {
     this._layers = [];
     this._films = [];
     for (const robot of data.robots) robot.auctionTimes = robot.auctions.map((auction) => auction.at);
+    const held = data.robots.map(({ name, auctions }) => auctions.map((one, i) => ({ ...one, key: `${name} ${i}`, robot: name })));
+    this._auctions = new Map([...held.entries(), [-1, held.flat().sort((a, b) => a.at - b.at)]]); // by view
   }
 
   async load() {
@@ -35,9 +38,9 @@ export class Record {
   /**
    * What is to be seen at a time. `view`: number of the robot whose map is shown, -1 for the team; `speed`: s of the
    * mission in a second, from which follows how long something that happens is to be seen; maps are drawn anew when
-   * `mapsKey` is another.
+   * `mapsKey` is another. `auction`: that is to be seen, null: none.
    */
-  scene(time, view, speed, mapsKey) {
+  scene(time, view, speed, mapsKey, auction) {
     const { data } = this, length = clamp(speed * 0.5, 2, Math.max(2, data.end / 40));
     return {
       view,
@@ -50,6 +53,7 @@ export class Record {
       merges: data.merges
         .map((merge) => ({ a: merge.by, b: merge.with, kind: merge.kind, age: (time - merge.at) / length }))
         .filter(({ age, b }) => age >= 0 && age <= 1 && b !== null),
+      auction: auction && { clusters: auction.offers.map(([x, y, , by]) => [x, y, data.robots.findIndex(({ name }) => name === by)]) },
     };
   }
 
@@ -74,9 +78,10 @@ export class Record {
     return number === null ? "–" : data.states[number] ?? String(number);
   }
 
-  /** The last auction that a robot had begun by then and of which it is known what came of it; undefined: none. */
-  lastAuction(robot, time) {
-    return robot.auctions.slice(0, indexAt(robot.auctionTimes, time) + 1).findLast(({ offers }) => offers.length);
+  /** The newest auctions that had been opened by then in a view, as they stood, as an AuctionHistory lists them. */
+  auctionsAt(time, view) {
+    const held = this._auctions.get(view), begun = indexAt(held.map(({ at }) => at), time) + 1;
+    return held.slice(Math.max(0, begun - MOST), begun).reverse().map((auction) => standing(auction, time));
   }
 
   _robot(robot, index, time, length) {
@@ -86,12 +91,12 @@ export class Record {
       pose: this.poseAt(robot, time),
       path: series.x ? { x: series.x, y: series.y, count: indexAt(series.time, time) + 1, place: WORLD, key: index } : null,
       goal,
-      auctions: this._auctions(robot, time, length),
+      auctions: this._openings(robot, time, length),
       body: this.data.footprints[index],
     };
   }
 
-  _auctions(robot, time, length) {
+  _openings(robot, time, length) {
     const found = [];
     for (let i = indexAt(robot.auctionTimes, time); i >= 0 && time - robot.auctionTimes[i] < length; i--) {
       const count = robot.auctions[i].clusters;
@@ -120,6 +125,21 @@ export class Record {
     }
     return result;
   }
+}
+
+/** An auction as it stood at a time: with its result, as far as one is recorded, or with the bids that had come. */
+function standing({ answered, decided, clusters, ...auction }, time) {
+  const { offers, robot } = auction, count = `${clusters} cluster${clusters === 1 ? "" : "s"}`;
+  if (decided === null) return { ...auction, note: offers.length ? "" : `${count}, no result is recorded`, state: "undated" };
+  if (time >= decided) return { ...auction, note: "", state: "decided" };
+  const come = new Set([robot, ...Object.keys(answered).filter((name) => answered[name] <= time)]);
+  const bids = (all) => Object.fromEntries(Object.entries(all).filter(([name]) => come.has(name)));
+  return {
+    ...auction,
+    offers: offers.map(([x, y, all]) => [x, y, bids(all), ""]),
+    note: `open: ${count}, ${come.size - 1} other${come.size === 2 ? " has" : "s have"} answered`,
+    state: `open ${come.size}`,
+  };
 }
 
 const absent = (robot, time) => robot.joined !== null && time < robot.joined;

@@ -1,6 +1,6 @@
 // The page of a recorded mission: plays a Record.
 
-import { LastAuctions } from "./auctions.js";
+import { AuctionHistory } from "./auctions.js";
 import { Chart } from "./chart.js";
 import { bytes, byId, clock, make, setText } from "./dom.js";
 import { EventList } from "./event_list.js";
@@ -36,7 +36,8 @@ const map = new MapView(theme, LAYERS, () => redraw());
 const marks = new TimeLine(theme, seek);
 const chart = new Chart(byId("chart"), theme, "m²", seek);
 const table = new RobotTable(theme, COLUMNS, (index) => choose(view === index ? -1 : index));
-const auctions = new LastAuctions(byId("auctions"), theme);
+const auctions = new AuctionHistory(byId("auctions"), theme, "in the world", () => redraw());
+const names = data.robots.map(({ name }) => name);
 const events = new EventList(Infinity, (event) => seek(event.at));
 
 function paintChart() {
@@ -80,12 +81,6 @@ function fillTable() {
   table.fill(rows, view);
 }
 
-function fillAuctions() {
-  const shown = view < 0 ? data.robots : [data.robots[view]];
-  const held = shown.map((robot) => [robot.name, record.lastAuction(robot, playback.time)]).filter(([, auction]) => auction);
-  auctions.fill(held, (name) => data.robots.findIndex((robot) => robot.name === name));
-}
-
 let waiting = false;
 function redraw() {
   if (waiting) return;
@@ -97,11 +92,11 @@ function frame(now) {
   const again = playback.step(now), { time } = playback;
   span.now = time;
   const mapsKey = again ? Math.floor(now / 100) : `at ${time}`; // maps at most ten times a second anew
-  map.draw(record.scene(time, view, playback.speed, mapsKey));
+  auctions.fill(record.auctionsAt(time, view), 0, names);
+  map.draw(record.scene(time, view, playback.speed, mapsKey, auctions.pointedAt));
   marks.draw(span, data.events, data.robots.map((robot) => robot.auctionTimes));
   drawChart();
   fillTable();
-  fillAuctions();
   events.mark(data.events.findLastIndex((event) => event.at <= time + 1e-6));
   if (again) redraw();
 }
@@ -143,7 +138,9 @@ function fillHead() {
   byId("traceback").textContent = data.outcome.traceback;
   byId("notes").append(...data.notes.map((note) => make("li", note)));
   for (const [name, value] of Object.entries(data.trial)) byId("trial").append(make("dt", name), make("dd", String(value)));
-  byId("auctionbox").hidden = !data.robots.some((robot) => robot.auctions.some(({ offers }) => offers.length));
+  const held = data.robots.flatMap((robot) => robot.auctions).filter(({ offers }) => offers.length);
+  byId("auctionbox").hidden = !held.length;
+  byId("undated").hidden = held.every(({ decided }) => decided !== null);
   events.add(data.events, 0);
   if (!data.events.length) byId("events").append(make("li", "none recorded"));
 }

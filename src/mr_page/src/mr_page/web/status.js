@@ -43,7 +43,8 @@ const map = new MapView(theme, LAYERS, () => redraw());
 const marks = new TimeLine(theme, (time) => playback.seek(time));
 const table = new RobotTable(theme, COLUMNS, (index) => choose(clicked(shown.robots[index].name)));
 const log = new LogPanel();
-const tabs = new Tabs([new AreaPanel(theme), new ChoicePanel(theme), new PlacePanel(theme), new RadioPanel(theme), log]);
+const choices = new ChoicePanel(theme, () => redraw());
+const tabs = new Tabs([new AreaPanel(theme), choices, new PlacePanel(theme), new RadioPanel(theme), log]);
 const connection = new Connection({
   took: (update) => {
     live.apply(update);
@@ -126,14 +127,14 @@ function frame(now) {
   if (view === null) return;
   if (connection.lookAt(shown.mapsOf(view))) past.askAgain();
   describeMaps();
-  map.draw(shown.scene(view, map.show));
+  map.draw(shown.scene(view, map.show, choices.pointedAt));
   if (now - panelsAt < PANELS_PERIOD) {
     redrawLater();
     return;
   }
   panelsAt = now;
   fillTable();
-  tabs.fill(shown, view);
+  tabs.fill(shown, view, chosen ? view : TEAM);
   const span = { begin: live.begin, end: Math.max(live.now, live.begin + 10), now: playback.time };
   marks.draw(span, log.events, live.robots.map((robot) => robot.stream("choices").map(([time]) => time)));
   commands.fill(live.robots);

@@ -1,7 +1,8 @@
 """Drives along a way; where that cannot be driven ahead, a manoeuvre leads on."""
 
 import math
-from typing import Optional
+from functools import lru_cache
+from typing import Callable, Optional
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from mr_grid import Pose
 from mr_robot import _navigation
 from mr_robot.navigation.command import Velocity
 from mr_robot.navigation.manoeuvre import Manoeuvre, plan_manoeuvre
-from mr_robot.navigation.motion import STOP, Motion, bare
+from mr_robot.navigation.motion import STOP, Ahead, Motion, bare
 from mr_robot.navigation.options import LEAST_TURN, NavigationOptions
 from mr_robot.navigation.planner import Plan
 from mr_robot.navigation.surroundings import Hazards
@@ -44,8 +45,9 @@ class Follower:
         """None where nothing is safe. `stuck`: whether the way does not lead on although nothing is in the way.
         `slack`: m nearer than now that a manoeuvre may lead to what the robot may touch already."""
         tight = bare(hazards.obstacles, self._options.obstacle_margin)
+        ahead = lru_cache(maxsize=None)(lambda: self._motion.along(way, pose, hazards.obstacles))
         self.gained_room = False
-        wanted = self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, hazards, tight, stuck)
+        wanted = self._manoeuvre is None and self._wants_manoeuvre(now, way, pose, tight, stuck, ahead)
         if wanted or self._manoeuvre is not None:
             tight = np.concatenate([tight, bare(hazards.followers(), self._options.obstacle_margin)])
         if wanted and abs(self._motion.velocity[0]) > self._motion.agility.linear:
@@ -65,7 +67,7 @@ class Follower:
                 return self._motion.towards(velocity or STOP)
             self._manoeuvre = None
             self.gained_room = True
-        return self._motion.along(way, pose, hazards.obstacles)
+        return ahead().velocity
 
     def _slowed(self, pose: Pose, tight: np.ndarray, target: Velocity, slack: float) -> Optional[Velocity]:
         """The target, as slow as it has to be to be clear: what was planned ends sooner than what is looked at. None
@@ -80,7 +82,7 @@ class Follower:
         return None
 
     def _wants_manoeuvre(
-        self, now: float, way: Plan, pose: Pose, hazards: Hazards, tight: np.ndarray, stuck: bool
+        self, now: float, way: Plan, pose: Pose, tight: np.ndarray, stuck: bool, ahead: Callable[[], Ahead]
     ) -> bool:
         if now - self._planned_at < self._options.plan_period:
             return False
@@ -91,4 +93,4 @@ class Follower:
         if _navigation.clearance(pose, tight, self._motion.footprint) < _navigation.TOUCHING:
             return True
         off = _navigation.turn_wanted(way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose)
-        return abs(off) > LEAST_TURN and not self._motion.gets_on(way, pose, hazards.obstacles)
+        return abs(off) > LEAST_TURN and not ahead().gets_on

@@ -4,7 +4,7 @@ Among the motions that the robot can make in the next period (Fox, Burgard and T
 collision avoidance, 1997), the one after which the plan's cost to go leaves the least time.
 """
 
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional
 
 import numpy as np
 
@@ -16,6 +16,13 @@ from mr_robot.navigation.planner import Plan
 
 LOOK_AHEAD = 0.5  # m that a robot drives before it is where it has looked: it turns no sharper than it sees
 STOP: Velocity = (0.0, 0.0)
+
+
+class Ahead(NamedTuple):
+    """What drives along a way best."""
+
+    velocity: Optional[Velocity]  # None where nothing is safe, not even to brake gently
+    gets_on: bool  # whether it leads nearer to the way's goal
 
 
 class Motion:
@@ -37,24 +44,16 @@ class Motion:
         """No bend is sharper than the robot can look into."""
         self.limits.curvature = 2.0 * scan.half_view / LOOK_AHEAD
 
-    def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Optional[Velocity]:
-        """None where nothing is safe, not even to brake gently."""
-        found, linear, angular, _, _ = self._choice(way, pose, obstacles)
-        return (linear, angular) if found else None
-
-    def gets_on(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> bool:
-        """Whether a motion along the way leads nearer to its goal."""
-        found, _, _, gained, _ = self._choice(way, pose, obstacles)
-        return found and gained * self._options.max_linear_velocity > PROGRESS
-
-    def _choice(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Tuple[bool, float, float, float, float]:
+    def along(self, way: Plan, pose: Pose, obstacles: np.ndarray) -> Ahead:
         horizon = _navigation.Horizon(self._options.horizon)
         tolerance = self._options.xy_goal_tolerance
         horizon.goal_radius = max(tolerance - _navigation.TOUCHING, 0.5 * tolerance)
-        return _navigation.choose_velocity(
+        found, linear, angular, gained, _ = _navigation.choose_velocity(
             way.cost, way.grid.resolution, way.grid.origin[:2], way.goal, pose, self.velocity, obstacles,
             self.limits, self.footprint, horizon, self._options.controller_period,
         )  # fmt: skip
+        gets_on = found and gained * self._options.max_linear_velocity > PROGRESS
+        return Ahead((linear, angular) if found else None, gets_on)
 
     def is_clear(
         self,
