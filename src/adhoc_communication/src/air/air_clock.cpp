@@ -138,7 +138,7 @@ void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
     known->second.arrived(together);
     common_.arrived(together);
   }
-  if (together || transmission->gap >= spacing * 4 / 5) return;
+  if (transmission->gap >= spacing * 4 / 5) return;
   transmission->sampled = true;
   spacing = credible(*transmission, spacing, now);
   AirRate& kind = kinds_[transmission->destination];

@@ -21,6 +21,7 @@ class AirRate {
   static constexpr double kSlowest = 8e9 / 1e6;  ///< nanoseconds per octet: the lowest rate of Wi-Fi
 
   static constexpr double kFastest = 8e9 / 1e9;      ///< no pair of frames of a radio arrives closer together
+  static constexpr double kStretched = 8e9 / 54e6;   ///< what jitter makes of a faster radio does no harm
   static constexpr double kJitterBegins = 1.0 / 32;  ///< share of the arrivals that are together
   static constexpr double kJitterEnds = 1.0 / 128;
 
@@ -47,8 +48,8 @@ class AirRate {
            nanoseconds_per_octet_ >= 1.5 * *std::min_element(latest_.begin(), latest_.end());
   }
   /// Something between the radios and the robots takes now longer, now less long: frames arrive together that cannot
-  /// have been on the air together. That stretches the distances of the others, so only the least of them tells of the
-  /// air.
+  /// have been on the air together, and others far apart. Of these distances only the least tells of the air. Radios
+  /// that are so fast, or aggregate frames, bring them together, too, but hardly stretch the others.
   bool jittered() const { return jittered_; }
   /// By how much measurements for frames of so many octets differ from what is believed, in the mean: radios that
   /// contend for the channel, and repeat frames by themselves, take longer for one than for the next.
@@ -70,10 +71,12 @@ class AirRate {
   void bound(std::size_t octets, Time longest);
 
  private:
+  void believe();
+
   double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
   double deviation_ = 0.0;                    ///< of it
-  /// Nanoseconds per octet; the older the measurement, the less it binds.
-  double least_ = nanoseconds_per_octet_;
+  double mean_ = nanoseconds_per_octet_;      ///< of the measurements
+  double least_ = nanoseconds_per_octet_;     ///< of them; the older, the less it binds
   double together_ = 0.0;  ///< share of the latest arrivals
   bool jittered_ = false;
   int samples_ = 0;  ///< no more than are enough, as with bounds_
