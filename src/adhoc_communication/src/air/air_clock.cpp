@@ -28,15 +28,17 @@ void AirClock::bound(const Transmission& transmission, Time longest) {
   common_.bound(transmission.octets, longest);
 }
 
-void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now) {
+void AirClock::transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now,
+                           AccessCategory category) {
   const bool follows = !recent_.empty() && recent_.back().counter + 1 == counter;
   const Time gap = follows ? now - recent_.back().sent : Time::max();
+  const bool in_order = follows && recent_.back().category == category;
   const bool idle = busy_until_ <= now;
   if (recent_.size() == kMostRemembered) recent_.pop_front();
   last_destination_ = destination;
   last_rate_ = &rate(destination);
   busy_until_ = std::max(busy_until_, now) + rate(destination).air_time(octets);
-  recent_.push_back({counter, octets, destination, now, gap, false, false, busy_until_, idle});
+  recent_.push_back({counter, octets, destination, category, now, gap, in_order, false, false, busy_until_, idle});
 }
 
 void AirClock::handed_over(bool kept) {
@@ -129,7 +131,14 @@ Time AirClock::credible(const Transmission& transmission, Time spacing, Time ans
 /// A frame handed over as late as it arrived after the one before may have found the radio idle.
 void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   Transmission* transmission = find(counter);
-  if (transmission == nullptr || transmission->sampled || transmission->gap >= spacing * 4 / 5) return;
+  if (transmission == nullptr || transmission->sampled || spacing == Time(0)) return;
+  const bool together = spacing < AirRate::fastest_air_time(transmission->octets);
+  const auto known = kinds_.find(transmission->destination);
+  if (known != kinds_.end() && transmission->in_order) {
+    known->second.arrived(together);
+    common_.arrived(together);
+  }
+  if (transmission->gap >= spacing * 4 / 5) return;
   transmission->sampled = true;
   spacing = credible(*transmission, spacing, now);
   AirRate& kind = kinds_[transmission->destination];

@@ -22,17 +22,19 @@ namespace adhoc_communication::air {
 class AirClock {
  public:
   static constexpr std::size_t kMostRemembered = 256;
-  static constexpr int kPairInterval = 64;  ///< of so many frames to one destination, two measure the air
-  static constexpr int kDeviations = 8;     ///< of the time that a frame takes, that the radio may be ahead
-  static constexpr int kMostAhead = 3;      ///< frames of largest size, of those
+  static constexpr int kPairInterval = 64;         ///< of so many frames to one destination, two measure the air
+  static constexpr int kPairIntervalInJitter = 8;  ///< the same where most of what they measure tells nothing
+  static constexpr int kDeviations = 8;            ///< of the time that a frame takes, that the radio may be ahead
+  static constexpr int kMostAhead = 3;             ///< frames of largest size, of those
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
   AirClock(const AirClock&) = delete;
   AirClock& operator=(const AirClock&) = delete;
 
-  /// `destination`: a neighbour, or wire::kEverybody.
-  void transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now);
+  /// `destination`: a neighbour, or wire::kEverybody; `category`: the queue of the radio.
+  void transmitted(std::uint64_t counter, std::size_t octets, const MacAddress& destination, Time now,
+                   AccessCategory category = AccessCategory::kBestEffort);
   /// Whether the device has something left of what was transmitted since the last call; if it is never told, it has
   /// not.
   void handed_over(bool kept);
@@ -59,6 +61,8 @@ class AirClock {
   Time idle_at() const { return busy_until_; }
   /// What is believed of frames to a neighbour, or to everybody; of a kind that was never measured, what is of all.
   const AirRate& rate(const MacAddress& destination) const;
+  /// Something behind the radios takes now longer, now less long for frames that go there.
+  bool jittered(const MacAddress& destination) const { return rate(destination).jittered(); }
   /// Null if it never was measured.
   const AirRate* measured(const MacAddress& destination) const;
   /// Air time of a frame of largest size when nobody else sends.
@@ -71,14 +75,21 @@ class AirClock {
   bool alone(Time now) const { return !shared_.perhaps_shared(now); }
   /// False until the rhythm of the radio is known for frames that go there.
   bool calibrated(const MacAddress& destination) const;
+  /// Of so many frames that go there, two measure the air.
+  int pair_interval(const MacAddress& destination) const {
+    if (!calibrated(destination)) return 2;
+    return jittered(destination) ? kPairIntervalInJitter : kPairInterval;
+  }
 
  private:
   struct Transmission {
     std::uint64_t counter;
     std::size_t octets;
     MacAddress destination;
+    AccessCategory category;
     Time sent;
-    Time gap;  ///< since the hand-over of the frame before
+    Time gap;       ///< since the hand-over of the frame before
+    bool in_order;  ///< behind that in the same queue of the radio
     bool sampled;
     bool kept;  ///< by the device
     Time end;   ///< of its time on the air, as believed

@@ -88,7 +88,7 @@ bool Schedule::send_group_frame(const MacAddress& previous_hop, std::uint8_t pri
   if (!frame) return false;
   last_group_counter_ = transmitter_.take_counter();
   const bool same = std::exchange(last_group_destination_, frame->destination) == frame->destination;
-  group_pair_ = same ? (group_pair_ + 1) % (air_.calibrated(frame->destination) ? AirClock::kPairInterval : 2) : 1;
+  group_pair_ = same ? (group_pair_ + 1) % air_.pair_interval(frame->destination) : 1;
   transport::count(statistics_.group_data, previous_hop != MacAddress{}, frame->again);
   transmitter_.transmit(FrameType::kGroupData, frame->destination, {0, 0, last_group_counter_, priority}, frame->body,
                         now);

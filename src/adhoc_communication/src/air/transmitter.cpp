@@ -28,7 +28,7 @@ void Transmitter::transmit(FrameType type, const MacAddress& next_hop, const Lab
   const std::size_t octets = frame.bytes.size() + wire::kEthernetHeaderSize;
   statistics_.bytes_sent += octets;
   statistics_.bytes_sent_by_type[static_cast<std::size_t>(type)] += octets;
-  air_.transmitted(labels.counter, frame.bytes.size(), next_hop, now);
+  air_.transmitted(labels.counter, frame.bytes.size(), next_hop, now, frame.category);
   frames_.push_back(std::move(frame));
 }
 

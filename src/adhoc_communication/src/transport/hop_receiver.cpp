@@ -9,6 +9,7 @@ namespace {
 constexpr int kFewFrames = 3;
 
 constexpr int kQuietFrames = 8;
+constexpr Time kTogether(1);  ///< 0 is a spacing that is not known
 constexpr int kFramesHeldBack = 3 * kQuietFrames;
 
 }  // namespace
@@ -25,9 +26,11 @@ bool HopReceiver::take(std::uint32_t link_sequence, std::uint64_t counter, bool 
   const bool fresh = mark(link_sequence, gap);
   const bool single = now - newest_arrival_ >= delays_.quiet;
   if (counter > newest_counter_) {
-    spacing_ = counter == newest_counter_ + 1 ? now - newest_arrival_ : Time(0);
+    spacing_ = counter == newest_counter_ + 1 ? std::max(now - newest_arrival_, kTogether) : Time(0);
     newest_counter_ = counter;
     newest_arrival_ = now;
+  } else if (counter + 1 == newest_counter_) {
+    spacing_ = kTogether;  // it was overtaken
   }
   if (unacknowledged_ == 0) owed_since_ = now;
   ++unacknowledged_;

@@ -29,7 +29,8 @@ bool HopSender::has_lost() const {
 /// More of them would crowd a crowded channel until it carries nothing but repetitions.
 std::size_t HopSender::most_unresolved() const {
   if (probing_) return kProbes;
-  return round_trip_.timeout() - round_trip_.least() < kSlowAnswers ? kMostUnresolved : kFewUnresolved;
+  const bool crowded = !jittered_ && round_trip_.timeout() - round_trip_.least() >= kSlowAnswers;
+  return crowded ? kFewUnresolved : kMostUnresolved;
 }
 
 bool HopSender::may_start() const {

@@ -66,6 +66,8 @@ class HopSender {
   void expect(const AcknowledgmentDelays& delays) { delays_ = delays; }
   /// The radio may repeat frames by itself, so that those for a neighbour that is gone take long.
   void be_sparing(bool sparing) { sparing_ = sparing; }
+  /// Something behind the radios takes now longer, now less long: answers that are slow tell nothing of a crowd.
+  void expect_jitter(bool jittered) { jittered_ = jittered; }
 
   void enqueue(HopFrame frame) { waiting_[frame.priority].push(std::move(frame)); }
   std::size_t waiting() const;
@@ -178,9 +180,10 @@ class HopSender {
   int expiries_ = 0;  ///< of timers since the last acknowledgment
   int overdue_ = 0;   ///< answers that were missed since then, timers included
   bool eager_ = false;
-  bool sparing_ = false;  ///< see be_sparing()
-  bool probing_ = false;  ///< a timer has run out in silence, nothing was heard since, and it is sparing
-  Time latest_{0};        ///< when the latest transmission went out
+  bool sparing_ = false;   ///< see be_sparing()
+  bool jittered_ = false;  ///< see expect_jitter()
+  bool probing_ = false;   ///< a timer has run out in silence, nothing was heard since, and it is sparing
+  Time latest_{0};         ///< when the latest transmission went out
   RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
   std::optional<Question> question_;  ///< that is not answered
   RoundTrip answer_{std::chrono::milliseconds(20), kShortestWait, kLongestTimer};

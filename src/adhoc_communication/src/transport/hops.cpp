@@ -228,7 +228,7 @@ void Hops::start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now)
 /// they are part of waits for each.
 bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop, FrameType type, Time now) {
   const bool calibrated = air_.calibrated(neighbor);
-  hop.pair = (hop.pair + 1) % (calibrated ? air::AirClock::kPairInterval : 2);
+  hop.pair = (hop.pair + 1) % air_.pair_interval(neighbor);
   const bool single = type != FrameType::kData && type != FrameType::kTransportAcknowledgment;
   return !calibrated || hop.sender.pressing() || hop.pair == 1 || (single && air_.alone(now));
 }
@@ -250,6 +250,7 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   hop.sender.be_eager(air_.alone(now));
   hop.sender.expect(delays(neighbor));
   hop.sender.be_sparing(neighbors_.radio_may_repeat());
+  hop.sender.expect_jitter(air_.jittered(neighbor));
   const bool at_once = shared && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
                                                       : wants_answer(neighbor, hop, outgoing.type, now);
   if (at_once) hop.sender.ask(counter, now);
@@ -271,7 +272,7 @@ bool Hops::air_allows(const MacAddress& neighbor, const Hop& hop, std::uint8_t p
   if (!is_urgent(priority) && air_.shared(now) && turns_.goes_on(neighbor)) {
     return air_.ready_at() <= now + kLongestBacklog;
   }
-  const bool pair_begins = air_.calibrated(neighbor) && hop.pair == air::AirClock::kPairInterval - 1;
+  const bool pair_begins = air_.calibrated(neighbor) && hop.pair == air_.pair_interval(neighbor) - 1;
   if (pair_begins && air_.idle_at() > now && air_.idle_at() <= now + kLongestBacklog) return false;
   if (air_.ready_at() <= now) return true;
   if (options_.num_link_retrans == 0) return false;

@@ -149,6 +149,48 @@ TEST(AirClockKinds, OfTheFirstMeasurementsTheShortestCounts) {
   EXPECT_NEAR(frame_time(clock, kNear), 400, 1);
 }
 
+/// Pairs that arrive `apart`, one in `every` of them together: something behind the radio holds frames back.
+double frame_time_in_jitter(Time apart, int every) {
+  air::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  measure(clock, counter, kNear, 400us, 0ms);
+  for (int i = 1; i < 40; ++i) measure(clock, counter, kNear, i % every == 0 ? Time(1) : apart, i * 100ms);
+  EXPECT_EQ(clock.jittered(kNear), every < 40);
+  return frame_time(clock, kNear);
+}
+
+/// Distances that jitter had stretched were taken for air time, and a radio of 50 Mbit/s was paced as one of 2.
+TEST(AirClockJitter, WhereFramesArriveTogetherTheLeastDistanceCounts) {
+  EXPECT_GT(frame_time_in_jitter(8ms, 1000), 7500) << "others wait for the air as well";
+  EXPECT_LT(frame_time_in_jitter(8ms, 4), 500);
+}
+
+/// An urgent frame overtakes others within the radio.
+TEST(AirClockJitter, FramesOfTwoQueuesTellNothing) {
+  air::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  measure(clock, counter, kNear, 2ms, 0ms);
+  for (int i = 1; i < 40; ++i) {
+    clock.transmitted(++counter, kOctets, kNear, i * 100ms);
+    clock.transmitted(++counter, kOctets, kNear, i * 100ms, AccessCategory::kVoice);
+    clock.acknowledged_late(counter, Time(1), i * 100ms + 4ms);
+  }
+  EXPECT_FALSE(clock.jittered(kNear));
+}
+
+TEST(AirClockJitter, IsNoCrowdAndMeasuredMoreOften) {
+  air::AirClock clock(kOctets);
+  std::uint64_t counter = 0;
+  for (int i = 0; i < 40; ++i)
+    measure(clock, counter, kNear, i % 2 == 0 ? Time(1) : Time((i % 9 + 1) * 1ms), i * 100ms);
+  ASSERT_TRUE(clock.jittered(kNear));
+  EXPECT_FALSE(clock.rate(kNear).waits_for_others());
+  EXPECT_EQ(clock.pair_interval(kNear), air::AirClock::kPairIntervalInJitter);
+  for (int i = 40; i < 240; ++i) measure(clock, counter, kNear, 2ms, i * 100ms);
+  EXPECT_FALSE(clock.jittered(kNear)) << "it is over";
+  EXPECT_NEAR(frame_time(clock, kNear), 2000, 100);
+}
+
 class CarriageTest : public ::testing::Test {
  protected:
   void know(const MacAddress& to, Time duration) {

@@ -166,6 +166,23 @@ TEST(Medium, ChannelsThatCannotBeAreRefused) {
   refused([](MediumOptions& o) { o.interference = {10ms, 20ms}; });
 }
 
+/// The distances of frames that jitter stretched were taken for air time: 2 MB took 11 to 22 s.
+TEST(Channels, JitterIsNoSlowRadio) {
+  for (const bool reorders : {false, true}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      MediumOptions medium;
+      medium.delay = {0ms, 50ms, reorders};
+      Team team(medium, seed);
+      team.add_line(2);
+      team.run_for(4s);
+      const SendId id = team.send(0, Team::name(1), noise(2'000'000), Priority::kBulk);
+      ASSERT_TRUE(finish(team, 0, id)) << seed;
+      EXPECT_TRUE(team.finished(0, id)->delivered) << seed;
+      EXPECT_LT(team.now(), 4s + 6s) << seed;
+    }
+  }
+}
+
 /// A search that ended after 1.8 s gave packets up for a robot that a fade hid for two.
 TEST(Channels, AFadeOfAFewSecondsLosesNoPacket) {
   for (const std::size_t hops : {1, 3}) {

@@ -181,6 +181,19 @@ TEST(HopReceiver, TellsAGapSoonButSeveralTogether) {
   EXPECT_EQ(receiver.due(), 900us);
 }
 
+TEST(HopReceiver, TellsOfFramesThatArriveTogetherOrTheOtherWayRound) {
+  HopReceiver receiver(1);
+  receiver.take(1, 1, false, 0us);
+  receiver.take(2, 2, false, 300us);
+  EXPECT_EQ(receiver.acknowledge(300us).spacing_ns, 300'000u);
+  receiver.take(3, 3, false, 300us);
+  EXPECT_EQ(receiver.acknowledge(300us).spacing_ns, 1u);
+  receiver.take(5, 5, false, 600us);
+  EXPECT_EQ(receiver.acknowledge(600us).spacing_ns, 0u) << "unknown";
+  receiver.take(4, 4, false, 700us);
+  EXPECT_EQ(receiver.acknowledge(700us).spacing_ns, 1u);
+}
+
 TEST(HopReceiver, SingleFramesAreAcknowledgedSoon) {
   HopReceiver receiver(1);
   receiver.take(1, 1, false, 0ms);
