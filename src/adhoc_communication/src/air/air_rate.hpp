@@ -77,7 +77,7 @@ class AirRate {
   double deviation_ = 0.0;                    ///< of it
   double mean_ = nanoseconds_per_octet_;      ///< of the measurements
   double least_ = nanoseconds_per_octet_;     ///< of them; the older, the less it binds
-  double together_ = 0.0;  ///< share of the latest arrivals
+  double together_ = 0.0;                     ///< share of the latest arrivals
   bool jittered_ = false;
   int samples_ = 0;  ///< no more than are enough, as with bounds_
   int bounds_ = 0;

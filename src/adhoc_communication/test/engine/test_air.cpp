@@ -165,8 +165,8 @@ TEST(AirClockJitter, WhereFramesArriveTogetherTheLeastDistanceCounts) {
   EXPECT_LT(frame_time_in_jitter(8ms, 4), 500);
 }
 
-/// As where a radio aggregates frames, or a cable is faster than any radio: relays over cables lost a fifth of their rate
-/// to measurements.
+/// As where a radio aggregates frames, or a cable is faster than any radio: relays over cables lost a fifth of their
+/// rate to measurements.
 TEST(AirClockJitter, FramesOfAFastLinkComeTogetherWithoutIt) {
   air::AirClock clock(kOctets);
   std::uint64_t counter = 0;
