@@ -71,6 +71,7 @@ class AirRate {
   void bound(std::size_t octets, Time longest);
 
  private:
+  /// Decides whether there is jitter, and by that what of the measurements is believed.
   void believe();
 
   double nanoseconds_per_octet_ = 8e9 / 6e6;  ///< until known better: the slowest rate of 802.11g
