@@ -14,17 +14,19 @@ import rospy
 from rosgraph.roslogging import RosStreamHandler
 
 from mr_grid.parameter_names import unknown_parameters
+from mr_grid.ros_connections import watch_connections
 
 MASTER_PERIOD = 0.5  # s between two questions whether there is a master
 
 
 def init_node(name: str, **options: Any) -> None:
     """As `rospy.init_node`, once a master answers. What the node logs is lost where it cannot be written, and the node
-    goes on; signals end it whatever the main thread is at."""
+    goes on; signals end it whatever the main thread is at; no publisher is missed."""
     wait_for_master(name)
     rospy.init_node(name, **options)
     end_beside_the_main_thread()
     lose_what_cannot_be_written(logging.getLogger("rosout"))
+    watch_connections()
 
 
 def wait_for_master(name: str) -> None:
