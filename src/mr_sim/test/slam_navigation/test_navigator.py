@@ -479,6 +479,8 @@ def test_backing_over_unknown_ground_is_the_last_choice() -> None:
     assert backs_to(plan_out(ahead, (0.4, 2.0))) < 0.8
     assert backs_to(plan_out(ahead, (0.4, 2.0), unknown=behind)) > 0.8
     assert backs_to(plan_out(np.concatenate([ahead, beside]), (0.4, 2.0), unknown=behind)) < 0.8
+    # Two cells wide, between an end of the rear edge and its middle: the corner of a desk.
+    assert backs_to(plan_out(ahead, (0.4, 2.0), unknown=(slice(41, 43), slice(0, 16)))) > 0.6
 
 
 def backs_to(rows: np.ndarray) -> float:

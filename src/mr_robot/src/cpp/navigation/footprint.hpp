@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "points.hpp"
 
@@ -33,16 +34,31 @@ class Footprint {
     return cut_off_ ? std::max(from_box, mr_grid::length_of(place.x, place.y) - radius) : from_box;
   }
 
-  // Left end of the rear edge (1), its middle (0) or its right end (-1).
-  Point rear(double side) const {
-    const Point end{-half_length, side * half_width};
-    const double share = cut_off_ ? std::min(1.0, radius / mr_grid::length_of(end)) : 1.0;
-    return {share * end.x, share * end.y};
+  // Points of its edge behind the middle, no farther apart than `step`, m.
+  std::vector<Point> rear(double step) const {
+    std::vector<Point> edge;
+    const auto add = [&](const Point& from, const Point& to) {
+      const int steps = std::max(1, static_cast<int>(std::ceil(mr_grid::length_of(to.x - from.x, to.y - from.y) / step)));
+      for (int i = 0; i <= steps; ++i) {
+        const double share = static_cast<double>(i) / steps;
+        edge.push_back(cut_off({from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)}));
+      }
+    };
+    add({0.0, half_width}, {-half_length, half_width});
+    add({-half_length, half_width}, {-half_length, -half_width});
+    add({-half_length, -half_width}, {0.0, -half_width});
+    return edge;
   }
 
   const double half_length, half_width, radius;
 
  private:
+  // The point of the footprint nearest to the middle's direction there.
+  Point cut_off(const Point& place) const {
+    const double share = cut_off_ ? std::min(1.0, radius / mr_grid::length_of(place)) : 1.0;
+    return {share * place.x, share * place.y};
+  }
+
   static constexpr double kFar = std::numeric_limits<double>::infinity();
 
   bool cut_off_;

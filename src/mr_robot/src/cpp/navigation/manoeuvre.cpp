@@ -54,6 +54,7 @@ class Search {
         agility_(agility),
         slack_(slack),
         reach_(std::max(kStep, known - footprint.radius - kStep)),
+        rear_(footprint.rear(map.resolution)),
         body_(start, reach_ + kCell, kCell, obstacles, footprint) {
     at_start_ = body_.clearance(start);
     least_ = least_clearance(at_start_, slack);
@@ -179,13 +180,10 @@ class Search {
     return number;
   }
 
-  // Whether an end of the rear edge or its middle lies in what is unknown.
+  // Whether some of its edge, behind its middle, lies in what is unknown.
   bool backs_into_unknown(const Pose& pose) const {
     const mr_grid::Frame body(pose);
-    for (const double side : {-1.0, 0.0, 1.0}) {
-      if (!is_known(map_, body * footprint_.rear(side))) return true;
-    }
-    return false;
+    return std::any_of(rear_.begin(), rear_.end(), [&](const Point& point) { return !is_known(map_, body * point); });
   }
 
   // Whether the robot, which stands, may set off like that.
@@ -213,6 +211,7 @@ class Search {
   Agility agility_;
   double slack_;
   double reach_;  // m around the start, with a step more the body stays within what is known
+  std::vector<Point> rear_;
   Body body_;
   double at_start_ = 0.0, least_ = 0.0, start_cost_ = 0.0;
   bool starts_roomy_ = false;
