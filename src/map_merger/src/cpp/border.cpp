@@ -11,11 +11,13 @@ namespace {
 
 constexpr int kReach = 3;            // cells around an obstacle from which the direction of its wall is taken
 constexpr double kLineLike = 0.6;    // least anisotropy of a wall
+constexpr int kLeastOfFace = 5;      // cells that tell how the face of a thick wall runs
 constexpr double kFreeBeside = 1.2;  // cells from an obstacle to where its free side must be free
 
 struct Direction {
   double row = 0.0, column = 0.0;  // unit normal of the wall
   double anisotropy = 0.0;         // 0 .. 1, how line-like it is
+  int cells = 0;                   // that tell it
 };
 
 // How many of seven cells beside one another are obstacles, and the sums of their columns, from -kReach to kReach, and
@@ -48,13 +50,14 @@ int pattern_at(const Mask& mask, std::int64_t row, std::int64_t column) {
   return static_cast<int>(bits & (kPatterns - 1));
 }
 
-// Second moments of the obstacles in the window around a cell, the cell itself among them. The mask has kReach rows and
-// columns more than the map on each side.
-Direction direction_at(const Mask& mask, const mr_grid::Cell& cell) {
+// Second moments of the cells of either mask in the window around a cell of them. Masks have kReach rows and columns
+// more than the map on each side.
+Direction direction_at(const Mask& mask, const Mask& other, const mr_grid::Cell& cell) {
   static const std::array<RowSums, kPatterns> patterns = sums_of_patterns();
   int cells = 0, r = 0, c = 0, rr = 0, cc = 0, rc = 0;
   for (int row = -kReach; row <= kReach; ++row) {
-    const int pattern = pattern_at(mask, cell.row + kReach + row, cell.column);
+    const int pattern = pattern_at(mask, cell.row + kReach + row, cell.column) |
+                        pattern_at(other, cell.row + kReach + row, cell.column);
     const RowSums& sums = patterns[static_cast<std::size_t>(pattern)];
     cells += sums.count, r += sums.count * row, rr += sums.count * row * row;
     c += sums.columns, cc += sums.squares, rc += sums.columns * row;
@@ -65,7 +68,7 @@ Direction direction_at(const Mask& mask, const mr_grid::Cell& cell) {
   const double tangent = 0.5 * std::atan2(mixed, difference);
   const double anisotropy =
       std::sqrt(difference * difference + mixed * mixed) / std::max(spread_column + spread_row, 1e-6);
-  return {std::cos(tangent), -std::sin(tangent), anisotropy};
+  return {std::cos(tangent), -std::sin(tangent), anisotropy, cells};
 }
 
 bool free_beside(const Raster& free, const mr_grid::Cell& cell, double row_step, double column_step) {
@@ -74,27 +77,88 @@ bool free_beside(const Raster& free, const mr_grid::Cell& cell, double row_step,
   return free.at(std::clamp(row, 0, free.rows - 1), std::clamp(column, 0, free.columns - 1));
 }
 
+void set(Mask& mask, const mr_grid::Cell& cell) {
+  const std::int64_t column = cell.column + kReach;
+  mask.row(cell.row + kReach)[column >> 6] |= std::uint64_t{1} << (column & 63);
+}
+
+// The outermost cells of obstacles, by the side on which they are free.
+class Layers {
+ public:
+  Layers(const std::vector<mr_grid::Cell>& cells, const Raster& free)
+      : above_(mask_of(cells, free, 1, 0)),
+        below_(mask_of(cells, free, -1, 0)),
+        right_(mask_of(cells, free, 0, 1)),
+        left_(mask_of(cells, free, 0, -1)) {}
+
+  // The most line-like way that the layers run at a cell of them, normals towards their free side, and the most
+  // line-like one that faces the other way.
+  std::array<Direction, 2> at(const mr_grid::Cell& cell) const {
+    std::array<Direction, 4> found;
+    std::size_t quadrant = 0;
+    for (const double row : {1.0, -1.0}) {
+      for (const double column : {1.0, -1.0}) found[quadrant++] = facing(cell, row, column);
+    }
+    const auto less = [](const Direction& a, const Direction& b) { return a.anisotropy < b.anisotropy; };
+    const Direction best = *std::max_element(found.begin(), found.end(), less);
+    for (Direction& each : found) {
+      if (each.row * best.row + each.column * best.column > 0.0) each.anisotropy = 0.0;
+    }
+    return {best, *std::max_element(found.begin(), found.end(), less)};
+  }
+
+ private:
+  static Mask mask_of(const std::vector<mr_grid::Cell>& cells, const Raster& free, int row, int column) {
+    Mask mask(free.rows + 2 * kReach, free.columns + 2 * kReach);
+    for (const mr_grid::Cell& cell : cells) {
+      if (free.contains(cell.row + row, cell.column + column) && free.at(cell.row + row, cell.column + column))
+        set(mask, cell);
+    }
+    return mask;
+  }
+
+  Direction facing(const mr_grid::Cell& cell, double row, double column) const {
+    const Mask& beside = row > 0.0 ? above_ : below_;
+    const Mask& along = column > 0.0 ? right_ : left_;
+    if (!beside.at(cell.row + kReach, cell.column + kReach) && !along.at(cell.row + kReach, cell.column + kReach))
+      return {};
+    Direction found = direction_at(beside, along, cell);
+    if (found.cells < kLeastOfFace) return {};
+    if (found.row * row + found.column * column < 0.0) found.row = -found.row, found.column = -found.column;
+    return found;
+  }
+
+  Mask above_, below_, right_, left_;
+};
+
 }  // namespace
 
 std::vector<BorderPoint> border_of(const std::vector<mr_grid::Cell>& cells, const Raster& free) {
   Mask mask(free.rows + 2 * kReach, free.columns + 2 * kReach);
-  for (const mr_grid::Cell& cell : cells) {
-    const std::int64_t column = cell.column + kReach;
-    mask.row(cell.row + kReach)[column >> 6] |= std::uint64_t{1} << (column & 63);
-  }
+  for (const mr_grid::Cell& cell : cells) set(mask, cell);
   std::vector<Direction> directions;
   directions.reserve(cells.size());
-  for (const mr_grid::Cell& cell : cells) directions.push_back(direction_at(mask, cell));
+  for (const mr_grid::Cell& cell : cells) directions.push_back(direction_at(mask, mask, cell));
   const Frame frame(free.origin);
   std::vector<BorderPoint> border;
+  const auto add = [&](std::size_t i, double row, double column) {
+    if (!free_beside(free, cells[i], row, column)) return;
+    // The face lies half a cell beside the cell's centre.
+    const double x = (cells[i].column + 0.5 * column + 0.5) * free.resolution;
+    const double y = (cells[i].row + 0.5 * row + 0.5) * free.resolution;
+    border.push_back({frame * OrientedPoint{x, y, column, row}, i});
+  };
   for (const double side : {1.0, -1.0}) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      const double row = side * directions[i].row, column = side * directions[i].column;
-      if (directions[i].anisotropy <= kLineLike || !free_beside(free, cells[i], row, column)) continue;
-      // The face lies half a cell beside the cell's centre.
-      const double x = (cells[i].column + 0.5 * column + 0.5) * free.resolution;
-      const double y = (cells[i].row + 0.5 * row + 0.5) * free.resolution;
-      border.push_back({frame * OrientedPoint{x, y, column, row}, i});
+      if (directions[i].anisotropy > kLineLike) add(i, side * directions[i].row, side * directions[i].column);
+    }
+  }
+  // A wall that is thick, or whose two faces are near to one another, is a line only face by face.
+  const Layers layers(cells, free);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (directions[i].anisotropy > kLineLike) continue;
+    for (const Direction& face : layers.at(cells[i])) {
+      if (face.anisotropy > kLineLike) add(i, face.row, face.column);
     }
   }
   return border;

@@ -20,8 +20,9 @@ struct BorderPoint {
   std::size_t cell;  // number of the obstacle cell it belongs to
 };
 
-// Of each obstacle cell of `cells` the faces to `free` cells: first those on one side of all walls, then those on the
-// other. Cells whose surroundings are no line have none.
+// Of each obstacle cell of `cells` the faces to `free` cells: first those on one side of all thin walls, then those on
+// the other, then those of thick ones. Cells whose surroundings are no line have none, and neither have those of thick
+// walls where the cells at the face are none.
 std::vector<BorderPoint> border_of(const std::vector<mr_grid::Cell>& cells, const Raster& free);
 
 }  // namespace map_merger

@@ -204,7 +204,7 @@ class Job:
     def _chosen_by_meeting(self, target: Landmarks, source: Landmarks, result: Registration) -> Registration:
         """Walls alone cannot choose between rivals; that the robots met by exactly one of them can."""
         rivals = [each for each in (result.transform, *result.rivals) if each is not None and self._met(target, each)]
-        if len(rivals) != 1:
+        if not rivals or not all(_are_same(rivals[0], each, source) for each in rivals[1:]):
             return result
         transform, evidence = follow(target, source, rivals[0])
         verdict = judge(evidence, DEFAULT_CRITERIA if self.prior is None else PRIOR_CRITERIA)

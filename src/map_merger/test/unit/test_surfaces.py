@@ -128,6 +128,50 @@ def test_border_of_a_straight_wall_has_two_faces():
     assert (border(wall, free, 0.05, (1.0, 2.0, 0.0))[1][:, 1] < 0).all()
 
 
+def faces_of(walls, free, turn=0.0):
+    return border(np.argwhere(walls), free & ~walls, 0.05, (0.0, 0.0, turn))
+
+
+@pytest.mark.parametrize("thickness", [4, 5, 8, 20])
+def test_a_thick_wall_has_two_faces(thickness):
+    """In an office whose walls were seen from both sides nearly all of them were gone, and transforms turned by a
+    degree on what was left."""
+    walls = np.zeros((60, 60), bool)
+    walls[20 : 20 + thickness, 10:50] = True
+    points, normals, _ = faces_of(walls, np.ones((60, 60), bool))
+    for side, y in ((-1.0, 20 * 0.05), (1.0, (20 + thickness) * 0.05)):
+        face = points[(normals[:, 1] * side > 0.9) & (points[:, 0] > 0.65) & (points[:, 0] < 2.35)]
+        assert len(face) == 34 and face[:, 1] == pytest.approx(y)
+
+
+@pytest.mark.parametrize("between", range(1, 8))
+def test_faces_of_a_wall_whose_inside_was_not_seen(between):
+    walls, free = np.zeros((60, 60), bool), np.ones((60, 60), bool)
+    walls[[20, 21 + between], 10:50] = True
+    free[21 : 21 + between, 10:50] = False
+    points, normals, _ = faces_of(walls, free)
+    for side in (-1.0, 1.0):
+        face = points[(normals[:, 1] * side > 0.9) & (points[:, 0] > 0.65) & (points[:, 0] < 2.35)]
+        assert len(face) == 34
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, math.pi), st.integers(4, 9))
+def test_faces_of_a_slanted_wall_are_where_it_ends(seed, angle, thickness):
+    """Of any thickness and direction, its cells ragged as noise leaves them: the faces look out of it."""
+    rows, columns = np.mgrid[:80, :80] - 39.5
+    across, along = columns * math.cos(angle) + rows * math.sin(angle), rows * math.cos(angle) - columns * math.sin(angle)
+    ragged = np.random.default_rng(seed).uniform(-0.5, 0.5, across.shape)
+    walls = (np.abs(across) + ragged < thickness / 2.0) & (np.abs(along) < 25.0)
+    points, normals, _ = faces_of(walls, np.ones(walls.shape, bool))
+    cells = points / 0.05 - 40.0
+    middle = np.abs(cells[:, 1] * math.cos(angle) - cells[:, 0] * math.sin(angle)) < 20.0
+    off = cells[middle, 0] * math.cos(angle) + cells[middle, 1] * math.sin(angle)
+    outward = normals[middle, 0] * math.cos(angle) + normals[middle, 1] * math.sin(angle)
+    right = (np.abs(np.abs(off) - thickness / 2.0) < 1.5) & (np.sign(off) * outward > 0.8)
+    assert right.sum() > 50 and right.mean() > 0.9
+
+
 def test_raster_counts_points_and_refuses_those_outside():
     cells = raster(np.array([[0.1, 0.1], [0.15, 0.1], [0.5, 0.3]]), (0.2, 0.0, 0.0), (0.2, 0.0), 0.2, (2, 3), 0.5)
     assert cells.tolist() == [[1.0, 0.0, 0.0], [0.0, 0.0, 0.5]]

@@ -38,7 +38,8 @@ class Footprint {
   std::vector<Point> rear(double step) const {
     std::vector<Point> edge;
     const auto add = [&](const Point& from, const Point& to) {
-      const int steps = std::max(1, static_cast<int>(std::ceil(mr_grid::length_of(to.x - from.x, to.y - from.y) / step)));
+      const int steps =
+          std::max(1, static_cast<int>(std::ceil(mr_grid::length_of(to.x - from.x, to.y - from.y) / step)));
       for (int i = 0; i <= steps; ++i) {
         const double share = static_cast<double>(i) / steps;
         edge.push_back(cut_off({from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)}));
