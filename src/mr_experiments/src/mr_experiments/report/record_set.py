@@ -185,7 +185,10 @@ def _of_stack(folder: Path) -> dict[Path, MissionRecord | None]:
 
 def load_record(path: Path) -> MissionRecord:
     """Without its snapshots, which are large, and with the one name of its world. Raises RecordError."""
-    record = read_record(path)
+    try:
+        record = read_record(path)
+    except RecordError as error:
+        raise RecordError(f"{error}; remove it, and do that mission again if it is to count") from None
     asked = Asked({**record.asked.settings, "world": name_of(record.asked.world)})
     return replace(record, asked=asked, snapshots=())
 
