@@ -188,7 +188,7 @@ def load_record(path: Path) -> MissionRecord:
     try:
         record = read_record(path)
     except RecordError as error:
-        raise RecordError(f"{error}; remove it, and do that mission again if it is to count") from None
+        raise RecordError(f"{error}; take it out of the folder, which is to hold whole records and nothing else") from None
     asked = Asked({**record.asked.settings, "world": name_of(record.asked.world)})
     return replace(record, asked=asked, snapshots=())
 
