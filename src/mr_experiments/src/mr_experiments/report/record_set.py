@@ -188,7 +188,8 @@ def load_record(path: Path) -> MissionRecord:
     try:
         record = read_record(path)
     except RecordError as error:
-        raise RecordError(f"{error}; take it out of the folder, which is to hold whole records and nothing else") from None
+        text = f"{error}; take it out of the folder, which is to hold whole records and nothing else"
+        raise RecordError(text) from None
     asked = Asked({**record.asked.settings, "world": name_of(record.asked.world)})
     return replace(record, asked=asked, snapshots=())
 
