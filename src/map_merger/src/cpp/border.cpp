@@ -12,14 +12,10 @@ namespace {
 constexpr int kReach = 3;            // cells around an obstacle from which the direction of its wall is taken
 constexpr double kLineLike = 0.6;    // least anisotropy of a wall
 constexpr double kFreeBeside = 1.2;  // cells from an obstacle to where its free side must be free
-// A cell on the face of a wall that is as thick as the window reaches, or thicker, has half of the window filled: how
-// many cells at least and at most, and how far away at least their mean is, in cells. Corners fill less or more of it.
-constexpr int kLeastHalf = 25, kMostHalf = 32;
-constexpr double kHalfAway = 1.3;
 
 struct Direction {
-  double row = 0.0, column = 0.0;   // unit normal of the wall
-  bool one = false, other = false;  // whether it may have a face on the side of the normal, and on the other one
+  double row = 0.0, column = 0.0;  // unit normal of the wall
+  double anisotropy = 0.0;         // 0 .. 1, how line-like it is
 };
 
 // How many of seven cells beside one another are obstacles, and the sums of their columns, from -kReach to kReach, and
@@ -69,10 +65,7 @@ Direction direction_at(const Mask& mask, const mr_grid::Cell& cell) {
   const double tangent = 0.5 * std::atan2(mixed, difference);
   const double anisotropy =
       std::sqrt(difference * difference + mixed * mixed) / std::max(spread_column + spread_row, 1e-6);
-  if (anisotropy > kLineLike) return {std::cos(tangent), -std::sin(tangent), true, true};
-  const double away = std::hypot(mean_row, mean_column);
-  if (cells < kLeastHalf || cells > kMostHalf || away < kHalfAway) return {};
-  return {-mean_row / away, -mean_column / away, true, false};
+  return {std::cos(tangent), -std::sin(tangent), anisotropy};
 }
 
 bool free_beside(const Raster& free, const mr_grid::Cell& cell, double row_step, double column_step) {
@@ -97,8 +90,7 @@ std::vector<BorderPoint> border_of(const std::vector<mr_grid::Cell>& cells, cons
   for (const double side : {1.0, -1.0}) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const double row = side * directions[i].row, column = side * directions[i].column;
-      if (!(side > 0.0 ? directions[i].one : directions[i].other) || !free_beside(free, cells[i], row, column))
-        continue;
+      if (directions[i].anisotropy <= kLineLike || !free_beside(free, cells[i], row, column)) continue;
       // The face lies half a cell beside the cell's centre.
       const double x = (cells[i].column + 0.5 * column + 0.5) * free.resolution;
       const double y = (cells[i].row + 0.5 * row + 0.5) * free.resolution;

@@ -21,7 +21,7 @@ struct BorderPoint {
 };
 
 // Of each obstacle cell of `cells` the faces to `free` cells: first those on one side of all walls, then those on the
-// other. Cells whose surroundings are neither a line nor the face of something thick have none.
+// other. Cells whose surroundings are no line have none.
 std::vector<BorderPoint> border_of(const std::vector<mr_grid::Cell>& cells, const Raster& free);
 
 }  // namespace map_merger

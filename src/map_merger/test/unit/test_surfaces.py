@@ -128,23 +128,6 @@ def test_border_of_a_straight_wall_has_two_faces():
     assert (border(wall, free, 0.05, (1.0, 2.0, 0.0))[1][:, 1] < 0).all()
 
 
-@pytest.mark.parametrize("thick", [1, 2, 3, 4, 5, 8, 20])
-@pytest.mark.parametrize("turn", [0.0, 0.3, 0.7])
-def test_a_wall_has_its_faces_however_thick_it_is(thick, turn):
-    """One of four cells or more, such as those of a drawn plan, had none."""
-    rows, columns = np.mgrid[0:80, 0:80] - 40.0
-    along, across = columns * math.cos(turn) + rows * math.sin(turn), rows * math.cos(turn) - columns * math.sin(turn)
-    wall = (np.abs(along) < 30.0) & (across >= -0.5) & (across < thick - 0.5)
-    points, normals, _ = border(np.argwhere(wall), ~wall, 1.0, (0.0, 0.0, 0.0))
-    facing = normals @ [-math.sin(turn), math.cos(turn)]
-    middle = np.abs((points - 40.5) @ [math.cos(turn), math.sin(turn)]) < 25.0
-    assert np.abs(facing[middle]).min() > 0.9
-    heights = (points - 40.5) @ [-math.sin(turn), math.cos(turn)]
-    for side, height in ((-1.0, -0.5), (1.0, thick - 0.5)):
-        face = middle & (np.sign(facing) == side)
-        assert face.sum() > 25 and np.abs(heights[face] - height).max() < 1.0
-
-
 def test_raster_counts_points_and_refuses_those_outside():
     cells = raster(np.array([[0.1, 0.1], [0.15, 0.1], [0.5, 0.3]]), (0.2, 0.0, 0.0), (0.2, 0.0), 0.2, (2, 3), 0.5)
     assert cells.tolist() == [[1.0, 0.0, 0.0], [0.0, 0.0, 0.5]]
