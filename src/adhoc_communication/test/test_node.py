@@ -9,6 +9,7 @@ import random
 import re
 import signal
 import subprocess
+import tempfile
 import threading
 import time
 import unittest
@@ -555,11 +556,12 @@ class LaunchFiles(unittest.TestCase):
             process.wait(timeout=20)
 
     def test_adhoc_communication_launch(self):
-        self.check(
-            "adhoc_communication.launch",
-            ["robot_name:=dora", "num_of_robots:=3", "nack_threshold:=7", "log_path:="],
-            {"robot_name": "dora", "robots_in_simulation": 3, "nack_threshold": 7, "num_link_retrans": 2},
-        )
+        with tempfile.TemporaryDirectory() as folder:
+            self.check(
+                "adhoc_communication.launch",
+                ["robot_name:=dora", "num_of_robots:=3", "nack_threshold:=7", f"log_path:={folder}"],
+                {"robot_name": "dora", "robots_in_simulation": 3, "nack_threshold": 7, "log_path": folder},
+            )
 
     def test_adhoc_launch(self):
         self.check("adhoc.launch", ["loss_ratio:=0.1", "p_tx:=10"], {"loss_ratio": 0.1, "p_tx": 10})

@@ -194,8 +194,14 @@ class Service(unittest.TestCase):
     def test_refusals_are_sentences(self):
         cases = [
             ({"action": 1, "topic": "/x", "destination": "alice"}, "goes to this robot itself"),
-            ({"action": 1, "topic": "not a topic", "destination": "bob"}, "topic 'not a topic' is not a valid"),
-            ({"action": 1, "topic": "/x", "destination": "bob", "priority": "urgent"}, "priority 'urgent'"),
+            (
+                {"action": 1, "topic": "not a topic", "destination": "bob"},
+                "relay of 'not a topic' to 'bob' has a wrong name: topic 'not a",
+            ),
+            (
+                {"action": 1, "topic": "/x", "destination": "bob", "priority": "urgent"},
+                "relay of '/x' to 'bob' has the priority 'urgent'",
+            ),
             ({"action": 1, "topic": "/x", "destination": "bob", "rate": -1.0}, "rate outside"),
             ({"action": 2, "topic": "/x", "destination": "bob"}, "no relay of '/x' to 'bob' exists"),
             ({"action": 9}, "action 9 is none of"),

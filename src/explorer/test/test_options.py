@@ -82,6 +82,8 @@ def test_every_parameter_arrives() -> None:
         ({"robot_prefix": "/robot_1", "move_base_frame": "/robot_2/map"}, "belongs to robot_2"),
         ({"local_costmap": {"width": 1.5}}, "~local_costmap/width is 1.5"),
         ({"move_base_frame": "/"}, "~move_base_frame is empty"),
+        ({"map_topic": "a map"}, "~map_topic is 'a map', it must be the name of a topic"),
+        ({"local_map_metadata_topic": ""}, "~local_map_metadata_topic is '', it must be the name of a topic"),
     ],
 )
 def test_bad_values_are_refused_with_the_culprit(given: Dict[str, Any], culprit: str) -> None:

@@ -103,6 +103,16 @@ def test_stop_ends_the_mission_where_the_robot_is() -> None:
     assert not bench.agent.start(bench.now), "it is not started again"
 
 
+def test_nothing_is_said_of_what_is_left_where_no_map_has_come() -> None:
+    """It said that nothing was."""
+    bench = Bench(7)
+    bench.agent.start(bench.now)
+    bench.run(1.0)
+    assert order(bench, bench.agent.stop).done
+    notes = [note.text for note in of_kind(Note, bench.run(1.0))]
+    assert notes == ["exploration ended after 1.0 s: stopped"]
+
+
 @pytest.mark.parametrize("before", ["exploring", "stopped", "paused"])
 def test_go_home(before: str) -> None:
     """Also a robot that is not to return by itself."""

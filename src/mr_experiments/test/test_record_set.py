@@ -145,6 +145,7 @@ def test_a_broken_record_is_named_with_its_fault(tmp_path, keys, value, message)
         load_records(tmp_path)
     assert path.name in str(caught.value)
     assert message in str(caught.value)
+    assert str(caught.value).endswith("; take it out of the folder, which is to hold whole records and nothing else")
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", "{}", "\xff"])

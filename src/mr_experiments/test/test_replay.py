@@ -629,6 +629,9 @@ def test_a_folder_is_told_with_a_record_in_it(tmp_path):
     (tmp_path / "a.json").write_text("")
     with pytest.raises(ReplayError, match=re.escape(f"one of the records in it, as {tmp_path}/a.json")):
         load_record(tmp_path)
+    (tmp_path / "record.json").write_text("")  # of a team, beside its plan
+    with pytest.raises(ReplayError, match=re.escape(f"one of the records in it, as {tmp_path}/record.json")):
+        load_record(tmp_path)
 
 
 # The command

@@ -170,7 +170,7 @@ def test_what_is_refused(mission, capsys):
     (mission / "anna" / "anna.bag").write_bytes(b"something else")
     assert "anna.bag is no bag of ROS 1" in refused(mission)
     (mission / "anna" / "anna.bag").rename(mission / "anna" / "anna.bag.active")
-    assert "was not closed: 'rosbag reindex" in refused(mission)
+    assert "was not closed: wait until its mission is over; if a crash left it so, 'rosbag reindex" in refused(mission)
     (mission / "mission.mcap").touch()
     assert "is there already" in refused(mission)
     assert not list(mission.glob(".*"))

@@ -27,14 +27,12 @@ NEEDED = {  # arguments without a default
     "team_base_station.launch": [
         "name:=base",
         "interface:=radio0",
-        "key_file:=/x",
         "team:=pioneer",
         "report_socket:=/x",
     ],
     "team_robot.launch": [
         "robot_name:=robot_0",
         "interface:=radio0",
-        "key_file:=/x",
         "world_socket:=/x",
         "report_socket:=/x",
         "start_pose:=0 0 0",
@@ -55,6 +53,11 @@ def loaded(name, *arguments):
     path = str(PACKAGE / "launch" / name)
     XmlLoader().load(path, config, argv=[*NEEDED.get(name, []), *arguments], verbose=False)
     return config
+
+
+def arguments_without_default(name):
+    arguments = ElementTree.parse(PACKAGE / "launch" / name).getroot().findall("arg")
+    return {argument.get("name") for argument in arguments if not {"default", "value"} & set(argument.keys())}
 
 
 def nodes_of(name, *arguments):

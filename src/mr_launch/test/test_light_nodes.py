@@ -2,6 +2,7 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -37,6 +38,18 @@ def test_a_node_explains_itself_without_a_master(program):
     package = program.parts[-3]
     assert done.stdout.startswith(f"usage: rosrun {package} {program.name} [_PARAMETER:=VALUE ...]")
     assert "\nStarted by: " in done.stdout and "\nParameters: " in done.stdout
+
+
+@pytest.mark.parametrize("program", HELPED, ids=lambda path: path.name)
+def test_a_node_that_finds_no_master_says_so_and_can_be_ended(program):
+    """rosbag's recorder ended with a traceback."""
+    environment = {**os.environ, "ROS_MASTER_URI": "http://localhost:1"}
+    with subprocess.Popen([sys.executable, str(program)], env=environment, stderr=subprocess.PIPE, text=True) as node:
+        first = node.stderr.readline()
+        node.terminate()
+        rest = node.communicate(timeout=60)[1]
+    assert ": waits for a ROS master, none answers at http://localhost:1: " in first
+    assert (node.returncode, rest) == (-signal.SIGTERM, "")
 
 
 def test_every_node_is_among_them():

@@ -171,6 +171,7 @@ def test_a_link_that_is_gone_ends_the_program_with_words(tmp_path):
     ("place", "part"),
     [
         ("{file}:No", "has no No"),
+        ("udp", "link 'udp' is no place: module:NAME or FILE.py:NAME"),
         ("{file}:Raises", "with the interface 'x0': ValueError: no x0 here"),
         ("{file}:Deaf", "it has no send, receive"),
         ("/nowhere.py:A", "FileNotFoundError"),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 import yaml
-from test_launch_files import parameters_of
+from test_launch_files import arguments_without_default, parameters_of
 
 from mr_grid import Pose
 from mr_launch import isolation
@@ -126,6 +126,20 @@ def test_robot_gets_its_interface(kind, interface):
 
 def test_an_open_team_has_no_key():
     assert launch_arguments(launch_command(plan(isolation.HUB, "--open"), ROBOTS[0]))["key_file"] == ""
+
+
+@pytest.mark.parametrize("words", [(), ("--open",), ("--no-bag",), ("--open", "--no-bag", "--respawn", "--page")])
+def test_the_launch_files_are_given_what_they_have_no_default_for(words):
+    """roslaunch passes over empty arguments: a team with open frames ended before it began."""
+    of_base = centralized(isolation.HUB, *words)
+    for command in (
+        launch_command(plan(isolation.HUB, *words), ROBOTS[0]),
+        launch_command(of_base, ROBOTS[0]),
+        launch_command(of_base, CENTRALIZED),
+    ):
+        file = next(word for word in command if word.endswith(".launch"))
+        given = {name for name, value in launch_arguments(command).items() if value}
+        assert arguments_without_default(file) - given == set(), file
 
 
 def test_robot_is_told_the_topic_of_the_laser_by_which_it_finds_its_way(tmp_path):

@@ -135,6 +135,8 @@ def test_what_is_refused(tmp_path, capsys):
         return capsys.readouterr().err
 
     assert "--rate 0 is out of range: 0.01 to 20" in refused("--rate", 0)
+    assert "--from -5 is no time of a recording, which begins at 0" in refused("--from", -5)
+    assert "--from nan is no time of a recording" in refused("--from", "nan")
     assert "--from 5 --to 4: nothing lies between" in refused("--from", 5, "--to", 4)
     assert "--from 5: the recording has 1.0 s" in refused("--from", 5)
     assert "--strategy: strategy 99 is unknown; there are 0 " in refused("--strategy", 99)

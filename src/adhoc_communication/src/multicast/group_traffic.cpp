@@ -32,6 +32,10 @@ Word::Kind word_of(PacketKind kind) {
   return kind == PacketKind::kGroupLeave ? Word::Kind::kLeave : Word::Kind::kConfirmation;
 }
 
+std::string no_group_text(const std::string& words) {
+  return "'" + escaped(words) + "' is not the name of a group (mc_<robot>)";
+}
+
 }  // namespace
 
 void GroupTraffic::write(Sending sending, PacketKind kind, Bytes payload) {
@@ -42,7 +46,7 @@ void GroupTraffic::write(Sending sending, PacketKind kind, Bytes payload) {
 
 void GroupTraffic::join(const std::string& group) {
   const auto root = root_of(group);
-  if (!root) return changes_.push_back({group, true, false, group + " is not the name of a group (mc_<robot>)"});
+  if (!root) return changes_.push_back({group, true, false, no_group_text(group)});
   if (*root == self_.name) return changes_.push_back({group, true, true, {}});
   if (!wire::is_name(*root)) return changes_.push_back({group, true, false, no_name_text(*root)});
   memberships_.join(group);
@@ -50,6 +54,7 @@ void GroupTraffic::join(const std::string& group) {
 }
 
 void GroupTraffic::leave(const std::string& group) {
+  if (!root_of(group)) return changes_.push_back({group, false, false, no_group_text(group)});
   if (group == group_of(self_.name)) {
     return changes_.push_back({group, false, false, "the root cannot leave its own group " + group});
   }

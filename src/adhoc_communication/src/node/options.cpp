@@ -132,6 +132,10 @@ void check(const NodeOptions& options) {
   if (!is_robot_name(name)) {
     refuse("robot_name", "'" + name + "'", "is not a robot name: 1 to 64 letters, digits, '_', '-' or '.'");
   }
+  if (name.rfind("mc_", 0) == 0) {
+    refuse("robot_name", "'" + name + "'",
+           "begins with mc_, as names of groups do: what is sent to it would go to a group");
+  }
   if (options.simulation_mode && !robot_number(name)) {
     refuse("robot_name", "'" + name + "'", "must be robot_<integer> in simulation_mode");
   }

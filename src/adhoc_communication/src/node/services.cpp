@@ -49,6 +49,19 @@ Time lifetime_of(double seconds) {
   return std::chrono::duration_cast<Time>(std::chrono::duration<double>(seconds));
 }
 
+/// What a call asks to be relayed. Throws std::invalid_argument, which names the relay.
+RelayEntry relay_entry(const Relay::Request& request) {
+  try {
+    RelayEntry entry{request.topic,    request.destination,     parse_priority(request.priority),
+                     request.rate,     request.latched != 0,    request.remote_topic,
+                     request.lifetime, request.newest_only != 0};
+    check_topics(entry);
+    return entry;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("relay of '" + request.topic + "' to '" + request.destination + "' " + error.what());
+  }
+}
+
 /// Counts the calls that wait for the radio and refuses those beyond the limit.
 class WaitingCall {
  public:
@@ -153,8 +166,7 @@ void Services::advertise_broadcasts(ros::NodeHandle& node) {
 void Services::advertise_relay(ros::NodeHandle& node) {
   advertise<Relay>(node, queries_, "relay", [this](auto& request, auto& response) {
     if (request.action == Relay::Request::ADD) {
-      relay_.add({request.topic, request.destination, parse_priority(request.priority), request.rate,
-                  request.latched != 0, request.remote_topic, request.lifetime, request.newest_only != 0});
+      relay_.add(relay_entry(request));
     } else if (request.action == Relay::Request::REMOVE) {
       relay_.remove(request.topic, request.destination, request.remote_topic);
     } else if (request.action != Relay::Request::LIST) {

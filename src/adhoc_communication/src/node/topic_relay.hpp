@@ -37,7 +37,7 @@ class TopicRelay {
   /// `send` is not called any more.
   void stop();
 
-  /// Throws std::invalid_argument with one sentence.
+  /// A relay whose topics have been checked. Throws std::invalid_argument with one sentence.
   void add(RelayEntry entry);
   void remove(const std::string& topic, const std::string& destination, const std::string& remote_topic);
   std::vector<RelayReport> reports() const;

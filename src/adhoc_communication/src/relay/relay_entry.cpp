@@ -28,7 +28,7 @@ void check_topics(const RelayEntry& entry) {
     local_topic("", entry.topic);
     if (!entry.remote_topic.empty()) local_topic("", entry.remote_topic);
   } catch (const PayloadError& error) {
-    throw std::invalid_argument("names a " + std::string(error.what()));
+    throw std::invalid_argument("has a wrong name: " + std::string(error.what()));
   }
 }
 

@@ -97,6 +97,20 @@ TEST(Groups, HostJoinsAndLeaves) {
   EXPECT_EQ(team.group_changes(1).back().reason, "cannot join mc_robot_8: no route to robot_8 after 1.8 s");
 }
 
+TEST(Groups, WhatIsNoGroupIsNeitherJoinedNorLeft) {
+  Team team;
+  team.add_line(1);
+  team.engine(0).join_group("", team.now());
+  team.engine(0).leave_group("", team.now());
+  team.engine(0).leave_group("mc\n", team.now());
+  team.run_for(1s);
+  ASSERT_EQ(team.group_changes(0).size(), 3u);
+  for (const auto& change : team.group_changes(0)) EXPECT_FALSE(change.succeeded);
+  EXPECT_EQ(team.group_changes(0)[0].reason, "'' is not the name of a group (mc_<robot>)");
+  EXPECT_EQ(team.group_changes(0)[1].reason, "'' is not the name of a group (mc_<robot>)");
+  EXPECT_EQ(team.group_changes(0)[2].reason, "'mc\\x0a' is not the name of a group (mc_<robot>)");
+}
+
 TEST(Groups, B10_2_RestartedRootGetsItsMembersBack) {
   Team team;
   team.add_line(3);

@@ -145,6 +145,7 @@ TEST(Options, SimulationModeNeedsANumberedRobot) {
 TEST(Options, RobotNameIsChecked) {
   EXPECT_NE(refusal_of(with("robot_name", "bob marley")).find("robot_name"), std::string::npos);
   EXPECT_NE(refusal_of(with("robot_name", std::string(65, 'a'))).find("robot_name"), std::string::npos);
+  EXPECT_NE(refusal_of(with("robot_name", "mc_bob")).find("'mc_bob' begins with mc_"), std::string::npos);
 }
 
 TEST(Options, RobotMacsFillNamesAndTheOwnAddress) {

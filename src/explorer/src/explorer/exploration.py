@@ -287,7 +287,8 @@ class Exploration:
         how = "finished" if self.orders.complete else "ended"
         why = "" if self.orders.complete else f": {reason}"
         self._emit(Note(f"exploration {how} after {self.exploration_time(now):.1f} s{why}"))
-        self._emit(Note(sentence(self._perception.leftovers())))
+        if self._senses.map is not None:
+            self._emit(Note(sentence(self._perception.leftovers())))
         self._reopening.end()
         self._journal.finish(self.orders.complete, self.counters, self._senses.map, now)
 

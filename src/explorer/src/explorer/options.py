@@ -6,6 +6,8 @@ import socket
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
+from rosgraph.names import is_legal_name
+
 from explorer import strategies
 from explorer.errors import ParameterError
 from explorer.limits import Limits
@@ -170,6 +172,9 @@ def load(given: Mapping[str, Any], robots_in_simulation: Any = 1, host_name: Opt
     for parameter in PARAMETERS:
         values[parameter.name.replace("/", "_")] = _checked(parameter, _lookup(given, parameter.name))
     values["frontier_selection"] = _selected(values["strategy"], values["frontier_selection"])
+    for name in ("map_topic", "local_map_metadata_topic"):
+        if not is_legal_name(re.sub("/+", "/", values[name])) or not values[name]:
+            raise ParameterError(f"parameter ~{name} is {values[name]!r}, it must be the name of a topic")
     values["home_pose"] = _pose(values["home_pose"])
     values["robots_in_simulation"] = _checked(ROBOTS_IN_SIMULATION, robots_in_simulation)
     _identify(values, host_name if host_name is not None else socket.gethostname())

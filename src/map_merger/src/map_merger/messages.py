@@ -15,6 +15,9 @@ Boot = Tuple[int, int]
 NO_BOOT: Boot = (0, 0)
 """A sender that does not tell; it matches every run."""
 
+USUAL_RESOLUTION_M = 0.05
+"""That of gmapping and of the original, which knows no other."""
+
 
 class Anchor(NamedTuple):
     """Corner and resolution from which the tile offsets of a robot count, fixed per run. `updates`: numbers used so
@@ -36,7 +39,8 @@ def run_after(boot: Boot, count: int) -> Boot:
 class Tile:
     """Cells (int8) at `row`, `column` from the anchor's corner, and the update numbers that they complete.
 
-    `whole`: cells of -1 are unknown. Otherwise they say nothing, as those of the original.
+    `whole`: cells of -1 are unknown. Otherwise they say nothing, as those of the original. `resolution`: 0 of a sender
+    that does not tell, as the original.
     """
 
     robot: str

@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
+from rosgraph.names import is_legal_name
+
 from mr_grid import Pose, pose_of
 from mr_grid.by_place import PlaceError, names_a_place
 
@@ -71,15 +73,17 @@ WITHOUT_EFFECT: Dict[str, str] = {
 }
 """Accepted for compatibility; setting one gives one warning with this reason."""
 
-NOT_EMPTY = (
-    "local_map_frame_id",
-    "local_map_topic",
+OVER_NETWORK = (
     "map_topic_over_network",
     "meta_topic_over_network",
     "control_topic",
-    "position_local_robot_topic",
     "position_other_robots_topic",
 )
+"""Names of topics, each of a type of its own."""
+
+TOPICS = ("local_map_topic", *OVER_NETWORK, "position_local_robot_topic", "scan_topic")
+
+NOT_EMPTY = ("local_map_frame_id", "local_map_topic", *OVER_NETWORK, "position_local_robot_topic")
 
 
 @dataclass(frozen=True)
@@ -152,11 +156,13 @@ def options_of(given: Mapping[str, Any], host_name: str) -> Options:
     for name in OF_THE_TEAM:
         values.setdefault(name, PARAMETERS[name].default)
     for name in ("robot_name", "base_station"):
-        if "/" in values.get(name, ""):
-            raise OptionError(f"parameter {name} must not contain a slash: {values[name]!r}")
+        if not re.fullmatch(r"[A-Za-z0-9_.\-]*", values.get(name, "")):
+            raise OptionError(f"parameter {name} holds more than letters, digits and _.-: {values[name]!r}")
     values["initial_poses"] = _poses(values.get("initial_poses", {}))
     _settle_roles(values)
-    return Options(**values)
+    options = Options(**values)
+    _check_apart(options)
+    return options
 
 
 def warnings_of(given: Mapping[str, Any], host_name: str) -> List[str]:
@@ -170,6 +176,16 @@ def warnings_of(given: Mapping[str, Any], host_name: str) -> List[str]:
             f"it has no pose of this robot, {own}, but of {', '.join(sorted(named))}: call it there as robot_name does"
         )
     return [f"parameter {name} has no effect: {reasons[name]}" for name in sorted(given) if name in reasons]
+
+
+def _check_apart(options: Options) -> None:
+    """rospy says nothing of two types on one topic, and neither arrives."""
+    parameter_of: Dict[str, str] = {}
+    for name in OVER_NETWORK:
+        topic = getattr(options, name).strip("/")
+        other = parameter_of.setdefault(topic, name)
+        if other != name:
+            raise OptionError(f"parameters {other} and {name} are both {topic!r}: each needs a topic of its own")
 
 
 def _settle_roles(values: Dict[str, Any]) -> None:
@@ -198,6 +214,8 @@ def _checked(name: str, value: Any) -> Any:
         raise OptionError(f"parameter {name} must be of type {expected.__name__}, not {value!r}")
     if name in NOT_EMPTY and not value:
         raise OptionError(f"parameter {name} must not be empty")
+    if name in TOPICS and value and not is_legal_name(re.sub("/+", "/", value)):
+        raise OptionError(f"parameter {name} must be the name of a topic, not {value!r}")
     if name == "run" and value and _boot_of(value) is None:
         raise OptionError(f"parameter run must be a time as seconds.nanoseconds, not {value!r}")
     if name == "registration" and names_a_place(value):

@@ -19,7 +19,7 @@ from mr_grid.ros import NumpyOccupancyGrid, grid_value, info_message, info_value
 from mr_grid.ros_laser import Mount, mount_value
 
 from .meetings.values import LaserScan
-from .messages import Anchor, Boot, Position, Request, Tile
+from .messages import USUAL_RESOLUTION_M, Anchor, Boot, Position, Request, Tile
 from .whereabouts import Place
 
 NumpyMapUpdate = numpy_msg(MmMapUpdate)
@@ -100,8 +100,9 @@ def tile_of(message: MmMapUpdate) -> Tile:
     offset = message.map.info.origin.position
     if not (abs(offset.x) < 2**30 and abs(offset.y) < 2**30):
         raise MessageError(f"a map update of {robot!r} at offset {offset.x:g}, {offset.y:g}")
+    resolution = message.map.info.resolution
     try:
-        info = GridInfo(message.map.info.width, message.map.info.height, message.map.info.resolution)
+        info = GridInfo(message.map.info.width, message.map.info.height, resolution or USUAL_RESOLUTION_M)
         cells = grid_of(info, np.asarray(message.map.data, dtype=np.int8)).cells
     except GridError as error:
         raise MessageError(f"a map update of {robot!r}: {error}") from error
@@ -112,7 +113,7 @@ def tile_of(message: MmMapUpdate) -> Tile:
         round(offset.x),
         round(offset.y),
         cells,
-        info.resolution,
+        resolution,
         _boot_of(message.map.info),
         message.map.header.seq,
         offset.z == 1.0,

@@ -373,12 +373,13 @@ def test_anchors_that_are_heard_again_redraw_nothing(maps):
     assert len(team.maps["robot_0"]) == before
 
 
-def test_a_robot_that_announces_no_anchor_is_merged_after_a_while_with_one_warning(maps):
-    """The original has no anchors: its map was never drawn."""
+@pytest.mark.parametrize("told", [True, False])
+def test_a_robot_that_announces_no_anchor_is_merged_after_a_while_with_one_warning(maps, told):
+    """The original has no anchors: its map was never drawn. Nor does it tell the resolution."""
     team = team_of("robot_0")
     agent, grid = team.agents["robot_0"], maps[1].grid
     agent.on_local_map(maps[0].grid, team.now)
-    agent.on_tile(Tile("robot_1", (0,), 0, 0, grid.cells, grid.info.resolution), team.now)
+    agent.on_tile(Tile("robot_1", (0,), 0, 0, grid.cells, grid.info.resolution if told else 0.0), team.now)
     team.run(9.0)
     assert not agent.view.transforms()
     team.run(60.0)

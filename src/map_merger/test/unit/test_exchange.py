@@ -488,6 +488,16 @@ def test_a_sender_without_anchor_is_drawn_at_the_corner_after_a_while_and_a_real
     assert corner(peer.grid()) == pytest.approx((1.2, 2.15))
 
 
+def test_a_sender_that_tells_no_resolution_is_taken_for_one_with_the_usual_cells():
+    """The original tells none, and every update of its map was refused."""
+    peer = PeerMap("robot_0")
+    tile = Tile("robot_0", (0,), 3, 4, np.zeros((2, 2), np.int8), 0.0, NO_BOOT)
+    peer.add(tile, 0.0)
+    assert peer.expire(10.0, usual=0.1) and peer.grid().info.resolution == 0.1
+    peer.set_anchor(Anchor("robot_0", GridInfo(0, 0, 0.05), (7, 7), 1), 20.0)
+    assert peer.add(tile, 21.0) and peer.grid().info.resolution == 0.05
+
+
 def test_a_sender_that_names_its_run_announces_its_anchor_sooner_or_later():
     peer = PeerMap("robot_0")
     peer.add(Tile("robot_0", (0,), 3, 4, np.zeros((2, 2), np.int8), 0.05, BOOT), 0.0)

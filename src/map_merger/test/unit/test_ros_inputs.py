@@ -8,6 +8,7 @@ pytest.importorskip("rospy")
 
 import numpy as np
 import rospy
+from adhoc_communication.msg import MmMapUpdate
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
@@ -30,6 +31,18 @@ def raw_of(message):
     message.serialize(octets)
     raw._buff = octets.getvalue()
     return raw
+
+
+def test_a_map_update_of_the_original_tells_neither_resolution_nor_orientation():
+    """Of its tiles it fills in header, offset, width and height; each was refused for its resolution."""
+    update = MmMapUpdate(src_robot="bob", update_numbers=[3])
+    update.map.header.frame_id, update.map.header.seq = "bob", 3
+    update.map.info.width, update.map.info.height = 3, 2
+    update.map.info.origin.position.x, update.map.info.origin.position.y = 100.0, 200.0
+    update.map.data = [0, 100, -1, 0, 0, 0]
+    tile = ros_io.tile_of(update)
+    assert (tile.row, tile.column, tile.cells.tolist()) == (100, 200, [[0, 100, -1], [0, 0, 0]])
+    assert tile.resolution == 0.0 and not tile.whole
 
 
 def test_a_pose_comes_with_the_stamp_of_its_odometry(monkeypatch):

@@ -21,6 +21,8 @@ def names_a_place(text: str) -> bool:
 def object_at(place: str) -> Any:
     """What stands there; the same object each time. Raises PlaceError."""
     where, _, name = place.rpartition(":")
+    if not where:
+        raise PlaceError(f"{place!r} is no place: module:NAME or FILE.py:NAME")
     try:
         return getattr(_module(where), name)
     except AttributeError:

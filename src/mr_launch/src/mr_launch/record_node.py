@@ -5,6 +5,7 @@ import sys
 import rosgraph
 import rospy
 
+from mr_grid.ros_node import wait_for_master
 from mr_launch.disk_guard import guarded
 from mr_launch.programs import find_executable
 from mr_launch.recorder import record_command, record_folder
@@ -13,6 +14,7 @@ from mr_launch.recorder import record_command, record_folder
 def main() -> int:
     remappings = [word for word in sys.argv[1:] if ":=" in word]
     name = rosgraph.names.load_mappings(sys.argv).get("__name", "record")
+    wait_for_master(name)
     node = rosgraph.names.ns_join(rosgraph.names.get_ros_namespace(argv=sys.argv), name)
     program = find_executable("rosbag", "record")
     try:

@@ -8,7 +8,7 @@ from mr_grid import GridError, GridInfo, OccupancyGrid
 
 from ..effects import Effect, Note, Outcome, Purpose, Send
 from ..grid import Box
-from ..messages import NO_BOOT, Anchor, Boot, Request, Tile
+from ..messages import NO_BOOT, USUAL_RESOLUTION_M, Anchor, Boot, Request, Tile
 from ..options import Options
 from ..payload import Payload
 from ..timer import Timer
@@ -259,7 +259,10 @@ class Exchange:
     # Repair
 
     def _repair(self, name: str, peer: _Peer, now: float) -> None:
-        if peer.map.expire(now, self._room_for(peer)):
+        own = self.anchor
+        # As the original does: its tiles do not tell how large their cells are.
+        usual = USUAL_RESOLUTION_M if own is None else own.info.resolution
+        if peer.map.expire(now, self._room_for(peer), usual):
             text = f"{name} announces no anchor: the corner of its map is taken for (0, 0) of its frame"
             self._effects.append(Note(text, warning=True))
         wanted = peer.map.wanted()

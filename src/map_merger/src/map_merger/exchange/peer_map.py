@@ -10,7 +10,7 @@ import numpy as np
 from mr_grid import GridError, GridInfo, OccupancyGrid
 
 from ..grid import EMPTY_BOX, Box
-from ..messages import NO_BOOT, Anchor, Boot, Tile
+from ..messages import NO_BOOT, USUAL_RESOLUTION_M, Anchor, Boot, Tile
 from . import bounds
 from .canvas import Canvas
 
@@ -101,7 +101,7 @@ class PeerMap:
             return False
         self._claim = None
         resolution = self._anchor.info.resolution
-        if abs(tile.resolution - resolution) > 1e-3 * resolution:
+        if tile.resolution and abs(tile.resolution - resolution) > 1e-3 * resolution:
             raise GridError(f"a tile with {tile.resolution:g} m cells for a map with {resolution:g} m cells")
         changed = self._write(tile, bounds.MOST_MAP_CELLS if room is None else room)
         self._record(tile)
@@ -113,9 +113,12 @@ class PeerMap:
         """True for a former run."""
         return run in self._former
 
-    def expire(self, now: float, room: Optional[int] = None) -> bool:
+    def expire(self, now: float, room: Optional[int] = None, usual: float = USUAL_RESOLUTION_M) -> bool:
         """Ends waits that have been too long. True if the robot announces no anchor and therefore the corner of its
-        map, in its own frame, was assumed to be at (0, 0)."""
+        map, in its own frame, was assumed to be at (0, 0).
+
+        `usual`: m, edge of the cells of a robot that does not tell it.
+        """
         if self._anchor is not None:
             while self._waiting and self._overdue(self._waiting[0], now):
                 self._waiting_cells -= self._waiting.popleft().tile.cells.size
@@ -123,7 +126,8 @@ class PeerMap:
         nameless = [waiting for waiting in self._waiting if waiting.tile.boot == NO_BOOT]
         if not nameless or not self._overdue(nameless[0], now):
             return False
-        self._begin(Anchor(self._robot, GridInfo(0, 0, nameless[-1].tile.resolution), NO_BOOT), now, room)
+        info = GridInfo(0, 0, nameless[-1].tile.resolution or usual)
+        self._begin(Anchor(self._robot, info, NO_BOOT), now, room)
         self._assumed = True
         return True
 

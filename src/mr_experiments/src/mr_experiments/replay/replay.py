@@ -31,7 +31,7 @@ from mr_experiments.replay.replay_maps import (
     walls_of_maps,
 )
 from mr_grid import Pose
-from mr_measures.record.files import RecordError, read_record
+from mr_measures.record.files import STACK_RECORD, RecordError, read_record
 from mr_measures.record.mission_record import MissionRecord, RobotMaps
 from mr_page.document import self_contained
 from mr_sim.raster import Grid
@@ -48,7 +48,7 @@ SNAPSHOTS, RECONSTRUCTED, SEEN = "snapshots", "reconstructed", "seen"  # where t
 def load_record(path: Path) -> MissionRecord:
     """The record in a file. Raises ReplayError naming what is wrong with it."""
     if path.is_dir():
-        records = sorted(path.glob("*.json"))
+        records = [path / STACK_RECORD] if (path / STACK_RECORD).exists() else sorted(path.glob("*.json"))
         hint = f", as {records[0]}" if records else ", which ends in .json"
         raise ReplayError(f"{path} is a folder: give one of the records in it{hint}")
     try:

@@ -185,7 +185,11 @@ def _of_stack(folder: Path) -> dict[Path, MissionRecord | None]:
 
 def load_record(path: Path) -> MissionRecord:
     """Without its snapshots, which are large, and with the one name of its world. Raises RecordError."""
-    record = read_record(path)
+    try:
+        record = read_record(path)
+    except RecordError as error:
+        text = f"{error}; take it out of the folder, which is to hold whole records and nothing else"
+        raise RecordError(text) from None
     asked = Asked({**record.asked.settings, "world": name_of(record.asked.world)})
     return replace(record, asked=asked, snapshots=())
 

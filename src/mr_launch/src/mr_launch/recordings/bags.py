@@ -101,7 +101,8 @@ def place_of(connection: Any) -> tuple[str, str]:
 
 def _check(path: Path) -> None:
     if path.suffix == ".active":
-        raise UserError(f"{path} was not closed: 'rosbag reindex {path}', then rename it to {path.stem}")
+        mend = f"'rosbag reindex {path}', then rename it to {path.stem}"
+        raise UserError(f"{path} was not closed: wait until its mission is over; if a crash left it so, {mend}")
     try:
         with path.open("rb") as file:
             if not file.read(13).startswith(b"#ROSBAG V2.0"):

@@ -116,7 +116,7 @@ def _of_team(folder: Path) -> Recording:
     found = {robot.name: _first_bags(folder / robot.name) for robot in plan.robots}
     robots = tuple(RecordedRobot(name, bags) for name, bags in found.items() if bags)
     if not robots:
-        raise UserError(f"no bags in {folder}: the mission ran with --no-bag, or ended before it began")
+        raise UserError(f"no bags in {folder}: the mission has --no-bag, or has not begun")
     return Recording(folder, robots, plan, tuple(name for name, bags in found.items() if not bags))
 
 

@@ -97,7 +97,9 @@ def _play(plan: ReplayPlan, out: Path) -> int:
 def check(options: argparse.Namespace) -> None:
     if not (math.isfinite(options.rate) and 0.01 <= options.rate <= FASTEST):
         raise UserError(f"--rate {options.rate:g} is out of range: 0.01 to {FASTEST:g}")
-    if not 0.0 <= options.first < options.last:
+    if not 0.0 <= options.first < math.inf:
+        raise UserError(f"--from {options.first:g} is no time of a recording, which begins at 0")
+    if not options.first < options.last:
         raise UserError(f"--from {options.first:g} --to {options.last:g}: nothing lies between")
     if options.strategy is not None:
         options.strategy = strategy_number(options.strategy)
