@@ -6,12 +6,11 @@ import socket
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
-from rosgraph.names import is_legal_name
-
 from explorer import strategies
 from explorer.errors import ParameterError
 from explorer.limits import Limits
 from mr_grid import FARTHEST, is_place
+from mr_grid.topic_names import is_topic_name
 
 STRATEGIES = strategies.TITLES
 
@@ -173,7 +172,7 @@ def load(given: Mapping[str, Any], robots_in_simulation: Any = 1, host_name: Opt
         values[parameter.name.replace("/", "_")] = _checked(parameter, _lookup(given, parameter.name))
     values["frontier_selection"] = _selected(values["strategy"], values["frontier_selection"])
     for name in ("map_topic", "local_map_metadata_topic"):
-        if not is_legal_name(re.sub("/+", "/", values[name])) or not values[name]:
+        if not is_topic_name(values[name]):
             raise ParameterError(f"parameter ~{name} is {values[name]!r}, it must be the name of a topic")
     values["home_pose"] = _pose(values["home_pose"])
     values["robots_in_simulation"] = _checked(ROBOTS_IN_SIMULATION, robots_in_simulation)

@@ -5,10 +5,9 @@ import re
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
-from rosgraph.names import is_legal_name
-
 from mr_grid import Pose, pose_of
 from mr_grid.by_place import PlaceError, names_a_place
+from mr_grid.topic_names import is_topic_name
 
 from .messages import NO_BOOT, Boot
 from .methods import METHODS, method_of
@@ -214,7 +213,7 @@ def _checked(name: str, value: Any) -> Any:
         raise OptionError(f"parameter {name} must be of type {expected.__name__}, not {value!r}")
     if name in NOT_EMPTY and not value:
         raise OptionError(f"parameter {name} must not be empty")
-    if name in TOPICS and value and not is_legal_name(re.sub("/+", "/", value)):
+    if name in TOPICS and value and not is_topic_name(value):
         raise OptionError(f"parameter {name} must be the name of a topic, not {value!r}")
     if name == "run" and value and _boot_of(value) is None:
         raise OptionError(f"parameter run must be a time as seconds.nanoseconds, not {value!r}")
