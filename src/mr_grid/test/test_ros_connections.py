@@ -46,7 +46,7 @@ def master_uri():
 
 @pytest.mark.parametrize("argument, heard", [("bare", "False"), ("watch", "True")])
 def test_an_update_that_an_older_answer_has_overtaken_is_made_good(master_uri, argument, heard):
-    """A robot of a team stood for ever: its monitor had no connection to the map, which is latched and was told once."""
+    """A robot of a team stood for ever: its monitor had no connection to the map, which was told once."""
     environment = {**os.environ, "ROS_MASTER_URI": master_uri, "ROS_HOSTNAME": "localhost"}
     command = [sys.executable, "-c", SUBSCRIBER, argument]
     reader = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=True)

@@ -160,7 +160,10 @@ def test_faces_of_a_wall_whose_inside_was_not_seen(between):
 def test_faces_of_a_slanted_wall_are_where_it_ends(seed, angle, thickness):
     """Of any thickness and direction, its cells ragged as noise leaves them: the faces look out of it."""
     rows, columns = np.mgrid[:80, :80] - 39.5
-    across, along = columns * math.cos(angle) + rows * math.sin(angle), rows * math.cos(angle) - columns * math.sin(angle)
+    across, along = (
+        columns * math.cos(angle) + rows * math.sin(angle),
+        rows * math.cos(angle) - columns * math.sin(angle),
+    )
     ragged = np.random.default_rng(seed).uniform(-0.5, 0.5, across.shape)
     walls = (np.abs(across) + ragged < thickness / 2.0) & (np.abs(along) < 25.0)
     points, normals, _ = faces_of(walls, np.ones(walls.shape, bool))

@@ -1,8 +1,8 @@
 """Connections to publishers that rospy has missed.
 
-A publisher that registers at the very moment at which a node subscribes is in the master's update, but not in its answer to the
-node. rospy takes whichever came last, so the older answer may hide the update: the node never connects, and what is latched
-never reaches it.
+A publisher that registers at the very moment at which a node subscribes is in the master's update, but not in its
+answer to the node. rospy takes whichever came last, so the older answer may hide the update: the node never connects,
+and what is latched never reaches it.
 """
 
 import contextlib
