@@ -46,7 +46,8 @@ class FrameQueue {
   void add_hops(std::vector<MacAddress>& hops) const {
     for (const auto& [hop, frames] : by_hop_) hops.push_back(hop);
   }
-  /// has() holds.
+  // Of these, has() holds.
+  const HopFrame& first(const MacAddress& previous_hop) const { return by_hop_.at(previous_hop).front(); }
   HopFrame pop(const MacAddress& previous_hop) {
     const auto frames = by_hop_.find(previous_hop);
     HopFrame frame = std::move(frames->second.front());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "transport/turn_taking.hpp"
+
 namespace adhoc_communication::transport {
 namespace {
 
@@ -41,6 +43,18 @@ bool HopSender::may_start() const {
 void HopSender::add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const {
   waiting_[priority].add_hops(hops);
   for (const std::uint32_t lost : lost_[priority]) hops.push_back(in_flight_.at(lost).frame.previous_hop);
+}
+
+bool HopSender::passes_on(const MacAddress& previous_hop) const {
+  const auto is_one = [&](const HopFrame& frame) {
+    return frame.previous_hop == previous_hop && TurnTaking::comes_back(frame.route);
+  };
+  const auto flies = [&](const auto& item) { return is_one(item.second.frame); };
+  const auto waits = [&](const FrameQueue& queue) {
+    return queue.has(previous_hop) && is_one(queue.first(previous_hop));
+  };
+  return std::any_of(in_flight_.begin(), in_flight_.end(), flies) ||
+         std::any_of(waiting_.begin(), waiting_.end(), waits);
 }
 
 HopSender::Lost::const_iterator HopSender::first_lost(std::uint8_t priority, const MacAddress& previous_hop) const {
@@ -101,6 +115,12 @@ void HopSender::ask(std::uint64_t counter, Time now) {
   unresolved_.back().asks = true;
 }
 
+bool HopSender::asked(std::uint64_t counter) const {
+  return std::any_of(unresolved_.begin(), unresolved_.end(), [counter](const Transmission& transmission) {
+    return transmission.asks && transmission.counter == counter;
+  });
+}
+
 /// Tells how long answers take, which one to a later frame does not.
 bool HopSender::answers_question(const Transmission& transmission) const {
   if (eager_) return transmission.asks;
@@ -142,6 +162,7 @@ bool HopSender::acknowledged(const wire::HopAcknowledgment& acknowledgment, Time
     unresolved_.pop_front();
     const bool lost = in_flight_.count(transmission.link_sequence) != 0;
     count_outcome(lost ? 1.0 : 0.0, now);
+    reliability_.count(lost);
     if (lost) transmission_lost(transmission, false);
     progress = true;
   }

@@ -1,6 +1,7 @@
 // Selective repeat towards one neighbour: frames waiting, frames on their way, what is lost, when the link is dead.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -12,6 +13,7 @@
 #include "transport/frame_queue.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/priorities.hpp"
+#include "transport/reliability.hpp"
 #include "transport/round_trip.hpp"
 #include "wire/messages.hpp"
 
@@ -84,6 +86,8 @@ class HopSender {
   }
   /// From whom frames of that priority wait, to be sent or to be repeated.
   void add_waiting_hops(std::uint8_t priority, std::vector<MacAddress>& hops) const;
+  /// Frames from there have not arrived, of turns that come back when they have.
+  bool passes_on(const MacAddress& previous_hop) const;
   bool idle() const { return in_flight_.empty() && waiting() == 0; }
   /// As idle(), and no transmission is waited for any more.
   bool settled() const { return idle() && unresolved_.empty(); }
@@ -99,6 +103,8 @@ class HopSender {
   }
   /// The latest transmission asks for an acknowledgment at once.
   void ask(std::uint64_t counter, Time now);
+  /// That transmission did, and its fate is open.
+  bool asked(std::uint64_t counter) const;
 
   /// The lost frame of that previous hop to repeat next; has_resend() and may_resend() hold.
   Outgoing resend(std::uint8_t priority, const MacAddress& previous_hop, std::uint64_t counter, Time now);
@@ -127,6 +133,8 @@ class HopSender {
   Time next_deadline() const;
   /// Of the latest transmissions; nothing when there were too few.
   std::optional<double> loss(Time now) const;
+  /// Frames are as good as never lost. Answers may be: timers do not count.
+  bool reliable() const { return reliability_.reliable(); }
   std::uint64_t given_up() const { return given_up_; }
 
  private:
@@ -192,6 +200,7 @@ class HopSender {
   std::optional<Time> waiting_since_;  ///< frames have been outstanding without a break since then
   Time silent_since_{0};
   Time last_progress_{0};
+  Reliability reliability_;
   double loss_ = 0.0;
   int outcomes_ = 0;  ///< that loss_ rests on, no more than matter
   Time last_outcome_{0};

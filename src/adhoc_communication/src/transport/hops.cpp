@@ -14,6 +14,8 @@ namespace {
 
 constexpr Time kLatestAcknowledgment = std::chrono::milliseconds(50);
 constexpr Time kLongestBacklog = std::chrono::milliseconds(20);
+constexpr int kHeldFrames = 2;    ///< air times of a frame, longer than which an answer never waits for the radio alone
+constexpr double kHolds = 0.375;  ///< share of held answers of who holds them: one of three may be about the last frame
 
 /// What is most urgent waits for nobody's turn.
 bool is_urgent(std::uint8_t priority) { return priority == static_cast<std::uint8_t>(Priority::kControl); }
@@ -55,7 +57,7 @@ Hops::Hop& Hops::hop(const MacAddress& neighbor) {
   return hops_.use(neighbor, [this] {
     // Link sequences begin where the frame counter stands, so that a hop that was forgotten never repeats one.
     const auto first = static_cast<std::uint32_t>(transmitter_.next_counter());
-    return Hop{HopSender(first, options_.num_link_retrans), std::nullopt, 1};
+    return Hop{HopSender(first, options_.num_link_retrans), std::nullopt, 0.0, 1};
   });
 }
 
@@ -71,8 +73,16 @@ void Hops::unicast_once(const MacAddress& neighbor, FrameType type, Bytes body, 
 }
 
 void Hops::enqueue(const MacAddress& neighbor, HopFrame frame) {
-  if (takes_turns(frame.route, frame.priority)) turns_.follow(frame.previous_hop);
-  hop(neighbor).sender.enqueue(std::move(frame));
+  HopSender& next = hop(neighbor).sender;
+  if (takes_turns(frame.route, frame.priority)) follow(frame, next);
+  next.enqueue(std::move(frame));
+}
+
+/// Where frames are lost to the next robot, a turn could not come back in time.
+void Hops::follow(const HopFrame& frame, const HopSender& next) {
+  const bool comes_back = TurnTaking::comes_back(frame.route);
+  if (comes_back && !next.reliable()) return turns_.follow_no_more(frame.previous_hop);
+  turns_.follow(frame.previous_hop, comes_back);
 }
 
 // --- frames in -------------------------------------------------------------------------------------------------------
@@ -102,8 +112,16 @@ void Hops::on_acknowledgment(const MacAddress& from, const wire::HopAcknowledgme
                     kAcknowledgmentOctets);
   turns_.answered(from, acknowledgment.newest_counter, now);
   std::vector<HopSender::Passed> passed;
-  hop(from).sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
+  Hop& answering = hop(from);
+  note_answer(answering, acknowledgment, air_.undisturbed_frame_time(from));
+  answering.sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
   record(from, passed, now);
+}
+
+void Hops::note_answer(Hop& hop, const wire::HopAcknowledgment& acknowledgment, Time frame_time) {
+  if (!hop.sender.asked(acknowledgment.newest_counter)) return;
+  const bool held = Time(acknowledgment.held_ns) > kHeldFrames * frame_time;
+  hop.holds += ((held ? 1.0 : 0.0) - hop.holds) / 2;
 }
 
 void Hops::record(const MacAddress& neighbor, const std::vector<HopSender::Passed>& passed, Time now) {
@@ -133,18 +151,38 @@ AcknowledgmentDelays Hops::delays(const MacAddress& neighbor) const {
   return AcknowledgmentDelays::of(air_.calibrated(neighbor) ? air_.undisturbed_frame_time(neighbor) : Time(0));
 }
 
+/// Turns of the neighbour wait for what came from it to be with the next robot.
+bool Hops::passes_on(const MacAddress& neighbor) const {
+  return std::any_of(hops_.busy().begin(), hops_.busy().end(), [&](const auto& item) {
+    const HopSender& sender = item.second->sender;
+    return sender.reliable() && sender.passes_on(neighbor);
+  });
+}
+
 /// On a crowded channel one later acknowledgment for many frames is better than a queue of them in the radio.
 Time Hops::acknowledgment_due(const MacAddress& neighbor, const HopReceiver& receiver) const {
   Time due = receiver.due();
   if (due == Time::max()) return due;
-  if (air_.shared(due)) due = std::max(due, turns_.ends(neighbor));
+  if (air_.shared(due)) {
+    due = std::max(due, passes_on(neighbor) ? turns_.held_until(neighbor) : turns_.ends(neighbor));
+  }
   return std::max(due, std::min(air_.ready_at(), receiver.owed_since() + kLatestAcknowledgment));
 }
 
 void Hops::acknowledge(Time now) {
   for (const auto& [neighbor, hop] : hops_.busy()) {
     if (!hop->receiver || acknowledgment_due(neighbor, *hop->receiver) > now) continue;
+    if (air_.shared(now)) send_urgent(neighbor, *hop, now);
     transmitter_.transmit(FrameType::kHopAcknowledgment, neighbor, to_bytes(hop->receiver->acknowledge(now)), now);
+  }
+}
+
+/// The answer may begin the turn of a robot that does not hear this one: what is to go there as well goes before.
+void Hops::send_urgent(const MacAddress& neighbor, Hop& hop, Time now) {
+  constexpr auto kUrgent = static_cast<std::uint8_t>(Priority::kControl);
+  const MacAddress own{};
+  while (hop.sender.has_waiting(kUrgent, own) && hop.sender.may_start() && air_allows(neighbor, hop, kUrgent, now)) {
+    start(neighbor, hop, hop.sender.take_waiting(kUrgent, own), now);
   }
 }
 
@@ -233,14 +271,21 @@ bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop, FrameType type, Ti
   return !calibrated || hop.sender.pressing() || hop.pair == 1 || (single && air_.alone(now));
 }
 
-bool Hops::needs_turn(const HopSender::Outgoing& outgoing) {
-  return outgoing.type == FrameType::kData && takes_turns(outgoing.route, outgoing.priority);
+/// Turns that come back are taken towards who is seen to hold its answers; a relay gives what it holds an answer for to
+/// the destination, which answers at once, in turns as well.
+bool Hops::needs_turn(const Hop& hop, const HopSender::Outgoing& outgoing) {
+  if (outgoing.type != FrameType::kData || !takes_turns(outgoing.route, outgoing.priority)) return false;
+  if (!TurnTaking::comes_back(outgoing.route)) return true;
+  return outgoing.beyond > 0 ? hop.holds > kHolds : outgoing.passed_on && hop.sender.reliable();
 }
 
 bool Hops::ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
                      Time now) {
   const bool more = hop.sender.may_start() && (outgoing.more || hop.sender.has_more());
-  return turns_.sent(neighbor, {counter, more, outgoing.beyond, air_.undisturbed_frame_time(neighbor)}, now);
+  return turns_.sent(
+      neighbor,
+      {counter, more, outgoing.beyond, air_.undisturbed_frame_time(neighbor), TurnTaking::comes_back(outgoing.route)},
+      now);
 }
 
 void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
@@ -251,8 +296,8 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   hop.sender.expect(delays(neighbor));
   hop.sender.be_sparing(neighbors_.radio_may_repeat());
   hop.sender.expect_jitter(air_.jittered(neighbor));
-  const bool at_once = shared && needs_turn(outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
-                                                      : wants_answer(neighbor, hop, outgoing.type, now);
+  const bool at_once = shared && needs_turn(hop, outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
+                                                           : wants_answer(neighbor, hop, outgoing.type, now);
   if (at_once) hop.sender.ask(counter, now);
   const auto flags = static_cast<std::uint8_t>(wire::kWantsAcknowledgment | (at_once ? wire::kAcknowledgeNow : 0));
   if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);

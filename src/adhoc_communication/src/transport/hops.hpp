@@ -74,18 +74,23 @@ class Hops : public Outbox {
   struct Hop {
     HopSender sender;
     std::optional<HopReceiver> receiver;
-    int pair = 0;  ///< counts frames; 0 and 1 are the pair that measures the air
+    double holds = 0.0;  ///< share of the latest answers that were held back while what they are about was passed on
+    int pair = 0;        ///< counts frames; 0 and 1 are the pair that measures the air
 
     bool idle() const { return sender.settled() && (!receiver || receiver->due() == Time::max()); }
   };
 
   Hop& hop(const MacAddress& neighbor);
   AcknowledgmentDelays delays(const MacAddress& neighbor) const;
+  bool passes_on(const MacAddress& neighbor) const;
   Time acknowledgment_due(const MacAddress& neighbor, const HopReceiver& receiver) const;
   bool air_allows(const MacAddress& neighbor, const Hop& hop, std::uint8_t priority, Time now) const;
   bool is_turn(const MacAddress& neighbor, std::uint8_t priority, Time now) const;
   bool wants_answer(const MacAddress& neighbor, Hop& hop, wire::FrameType type, Time now);
-  static bool needs_turn(const HopSender::Outgoing& outgoing);
+  void follow(const HopFrame& frame, const HopSender& next);
+  static void note_answer(Hop& hop, const wire::HopAcknowledgment& acknowledgment, Time frame_time);
+  void send_urgent(const MacAddress& neighbor, Hop& hop, Time now);
+  static bool needs_turn(const Hop& hop, const HopSender::Outgoing& outgoing);
   bool ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
                  Time now);
   void start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now);

@@ -5,10 +5,12 @@
 namespace adhoc_communication::transport {
 namespace {
 
-constexpr std::size_t kMostPartialOctets = 240;  ///< of an acknowledgment, so that it fits any link
-constexpr std::size_t kMostBitmapOctets = 128;   ///< 1024 segments beyond the first missing one
-constexpr std::size_t kPartialOctets = 10;       ///< of a partial packet besides its bitmap
-constexpr std::size_t kMostRefused = 3;          ///< told in one acknowledgment
+constexpr std::size_t kMostPartialOctets = 240;                  ///< of an acknowledgment, so that it fits any link
+constexpr std::size_t kMostBitmapOctets = 128;                   ///< 1024 segments beyond the first missing one
+constexpr std::size_t kPartialOctets = 10;                       ///< of a partial packet besides its bitmap
+constexpr std::size_t kMostRefused = 3;                          ///< told in one acknowledgment
+constexpr Time kLongestSpacing = std::chrono::milliseconds(50);  ///< what is longer is a pause
+constexpr int kSpacings = 16;                                    ///< that the mean rests on
 
 bool is_newer_attempt(std::uint8_t attempt, std::uint8_t than) { return static_cast<std::int8_t>(attempt - than) > 0; }
 
@@ -29,6 +31,9 @@ std::vector<StreamReceiver::Complete> StreamReceiver::take(const wire::Data& dat
     stream.next = data.base;
   }
   last_used_ = now;
+  if (stream.last_segment != Time(0)) {
+    stream.spacing += (std::min(now - stream.last_segment, kLongestSpacing) - stream.spacing) / kSpacings;
+  }
   stream.last_segment = now;
   if (routing::is_newer(data.base, stream.next)) {
     move_base(data.stream, data.base);
@@ -41,8 +46,19 @@ std::vector<StreamReceiver::Complete> StreamReceiver::take(const wire::Data& dat
   const bool of_use = stored != Stored::kRefused;
   const bool now_due =
       data.acknowledge_now || !of_use || !complete.empty() || stream.unacknowledged >= kSegmentsPerAcknowledgment;
-  stream.due = std::min(stream.due, now_due ? now : now + kLongestDelay);
+  stream.due = std::min(stream.due, now_due ? now : now + delay(stream));
   return complete;
+}
+
+/// Of slow segments, too, many are acknowledged together: each acknowledgment takes the air of all hops, and destroys
+/// what a robot sends that does not hear this one.
+/// Where segments are missing the source is not kept waiting.
+Time StreamReceiver::delay(const Stream& stream) {
+  const bool missing = std::any_of(stream.packets.begin(), stream.packets.end(), [](const auto& item) {
+    return item.second.assembly.known() > item.second.assembly.first_missing();
+  });
+  if (missing) return kShortestDelay;
+  return std::clamp(2 * kSegmentsPerAcknowledgment * stream.spacing, kShortestDelay, kLongestDelay);
 }
 
 StreamReceiver::Stored StreamReceiver::store(std::size_t index, const wire::Data& data, Time now) {

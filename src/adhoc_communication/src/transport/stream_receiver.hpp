@@ -18,7 +18,8 @@ class StreamReceiver {
  public:
   static constexpr std::uint32_t kPacketsAhead = 1024;  ///< taken beyond the next one to deliver
   static constexpr int kSegmentsPerAcknowledgment = 64;
-  static constexpr Time kLongestDelay = std::chrono::milliseconds(50);
+  static constexpr Time kShortestDelay = std::chrono::milliseconds(50);
+  static constexpr Time kLongestDelay = std::chrono::milliseconds(300);
   static constexpr Time kAbandoned = std::chrono::seconds(60);
 
   struct Complete {
@@ -65,6 +66,7 @@ class StreamReceiver {
     int unacknowledged = 0;
     Time due = Time::max();
     Time last_segment{0};
+    Time spacing{0};  ///< of segments, smoothed
   };
   enum class Stored { kFresh, kRepeated, kRefused, kRefusedBefore };
 
@@ -76,6 +78,7 @@ class StreamReceiver {
   void drop(std::size_t index, Packets::iterator packet);
   void move_base(std::size_t index, std::uint32_t base);
   void deliver(std::size_t index, std::vector<Complete>& out);
+  static Time delay(const Stream& stream);
   static wire::PartialPacket partial_of(std::uint32_t number, const Incoming& packet);
 
   MacAddress source_;
