@@ -51,8 +51,12 @@ std::vector<StreamReceiver::Complete> StreamReceiver::take(const wire::Data& dat
 }
 
 /// Of slow segments, too, many are acknowledged together: each acknowledgment takes the air of all hops, and destroys
-/// what a robot sends that does not hear this one.
+/// what a robot sends that does not hear this one. Where segments are missing the source is not kept waiting.
 Time StreamReceiver::delay(const Stream& stream) {
+  const bool missing = std::any_of(stream.packets.begin(), stream.packets.end(), [](const auto& item) {
+    return item.second.assembly.known() > item.second.assembly.first_missing();
+  });
+  if (missing) return kShortestDelay;
   return std::clamp(2 * kSegmentsPerAcknowledgment * stream.spacing, kShortestDelay, kLongestDelay);
 }
 
