@@ -271,12 +271,12 @@ bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop, FrameType type, Ti
   return !calibrated || hop.sender.pressing() || hop.pair == 1 || (single && air_.alone(now));
 }
 
-/// Turns that come back are taken towards who is seen to hold its answers; a relay gives what it holds an answer for to
-/// the destination, which answers at once, in turns as well.
+/// Turns that come back are taken where frames are as good as never lost: towards who is seen to hold its answers; a
+/// relay gives what it holds an answer for to the destination, which answers at once, in turns as well.
 bool Hops::needs_turn(const Hop& hop, const HopSender::Outgoing& outgoing) {
   if (outgoing.type != FrameType::kData || !takes_turns(outgoing.route, outgoing.priority)) return false;
   if (!TurnTaking::comes_back(outgoing.route)) return true;
-  return outgoing.beyond > 0 ? hop.holds > kHolds : outgoing.passed_on && hop.sender.reliable();
+  return hop.sender.reliable() && (outgoing.beyond > 0 ? hop.holds > kHolds : outgoing.passed_on);
 }
 
 bool Hops::ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
