@@ -27,7 +27,8 @@ class WorldClient:
             try:
                 connection.connect(path)
                 connection.settimeout(max(1.0, timeout))
-                connection.send(protocol.encode_hello(name))
+                with contextlib.suppress(BrokenPipeError):  # refused unasked: the reason can be read
+                    connection.send(protocol.encode_hello(name))
                 answer = protocol.decode(connection.recv(protocol.MAX_PACKET))
                 break
             except (FileNotFoundError, ConnectionRefusedError) as error:

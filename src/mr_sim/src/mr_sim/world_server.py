@@ -184,13 +184,13 @@ class WorldServer:
                 return
 
     def _handle_ready(self, timeout: float) -> None:
-        for key, _ in self._selector.select(timeout):
-            if key.fileobj is self._listener:
-                self._accept()
-            elif key.fileobj is self._wake_reader:
-                self._wake_reader.recv(64)
-            elif key.fd in self._clients:
-                self._receive(self._clients[key.fd])
+        ready = {key.fd: key.fileobj for key, _ in self._selector.select(timeout)}
+        if self._wake_reader in ready.values():
+            self._wake_reader.recv(64)
+        for client in [self._clients[fd] for fd in ready if fd in self._clients]:
+            self._receive(client)
+        if self._listener in ready.values():  # last: connections that have ended make room for new ones
+            self._accept()
         self._expire_silent()
 
     def _accept(self) -> None:
@@ -256,6 +256,9 @@ class WorldServer:
     def _refuse(self, client: _Client, reason: str) -> None:
         with contextlib.suppress(OSError):
             client.socket.send(protocol.encode_refusal(reason))
+            client.socket.shutdown(socket.SHUT_RD)
+            while client.socket.recv(protocol.MAX_PACKET):  # what is left unread would reset the peer before it reads
+                pass
         self._drop(client, reason)
 
     def _drop(self, client: _Client, reason: str) -> None:

@@ -87,13 +87,27 @@ def test_a_world_takes_all_of_its_robots_and_a_bounded_number_of_others(start, m
     running = start(rovers, real_time_factor=0.0, duration=0.1)
     others = [running.raw() for _ in range(SPARE_CONNECTIONS)]
     clients = [running.connect(name) for name in names[:-1]]
-    one_more = [running.raw(), running.raw()][-1]
+    others.append(running.raw())
+    one_more = running.raw()
     assert p.decode(one_more.recv(p.MAX_PACKET)).reason == "too many connections"
     for connection in (others.pop(), one_more):
         connection.close()
     clients.append(running.connect(names[-1]))
     running.join()
     for connection in [*others, *clients]:
+        connection.close()
+
+
+def test_a_robot_for_whom_there_is_no_room_is_told_so_whenever_it_speaks(start, monkeypatch):
+    running = start()
+    monkeypatch.setattr("mr_sim.world_server.SPARE_CONNECTIONS", 1)
+    others = [running.raw() for _ in range(3)]
+    for _ in range(20):
+        with pytest.raises(ConnectionRefused, match="refuses a: too many connections"):
+            running.connect("a")
+    others.pop().close()
+    running.connect("a").close()
+    for connection in others:
         connection.close()
 
 
