@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "round_robin.hpp"
-#include "routing/names.hpp"
 #include "transport/data_count.hpp"
 
 namespace adhoc_communication::transport {
@@ -14,8 +13,6 @@ namespace {
 
 constexpr Time kLatestAcknowledgment = std::chrono::milliseconds(50);
 constexpr Time kLongestBacklog = std::chrono::milliseconds(20);
-constexpr int kHeldFrames = 2;    ///< air times of a frame, longer than which an answer never waits for the radio alone
-constexpr double kHolds = 0.375;  ///< share of held answers of who holds them: one of three may be about the last frame
 
 /// What is most urgent waits for nobody's turn.
 bool is_urgent(std::uint8_t priority) { return priority == static_cast<std::uint8_t>(Priority::kControl); }
@@ -23,20 +20,6 @@ bool is_urgent(std::uint8_t priority) { return priority == static_cast<std::uint
 /// On a way of so many hops.
 bool takes_turns(std::uint8_t route, std::uint8_t priority) {
   return route >= TurnTaking::kShortestRoute && !is_urgent(priority);
-}
-
-/// Of the frames that name it, the robot that they come from.
-std::optional<MacAddress> source_of(const HopFrame& frame) {
-  const wire::Reader body(frame.body.data(), frame.body.size());
-  if (frame.type == FrameType::kData) {
-    const auto data = wire::read_data(body);
-    return data ? std::optional(data->source) : std::nullopt;
-  }
-  if (frame.type == FrameType::kTransportAcknowledgment) {
-    const auto acknowledgment = wire::read_transport_acknowledgment(body);
-    return acknowledgment ? std::optional(acknowledgment->source) : std::nullopt;
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -47,17 +30,16 @@ Hops::Hops(const Identity& self, const EngineOptions& options, routing::Neighbor
     : self_(self),
       options_(options),
       neighbors_(neighbors),
-      directory_(directory),
       air_(air),
       transmitter_(transmitter),
-      journal_(journal),
-      statistics_(statistics) {}
+      statistics_(statistics),
+      passed_(self, directory, journal) {}
 
 Hops::Hop& Hops::hop(const MacAddress& neighbor) {
   return hops_.use(neighbor, [this] {
     // Link sequences begin where the frame counter stands, so that a hop that was forgotten never repeats one.
     const auto first = static_cast<std::uint32_t>(transmitter_.next_counter());
-    return Hop{HopSender(first, options_.num_link_retrans), std::nullopt, 0.0, 1};
+    return Hop{HopSender(first, options_.num_link_retrans), std::nullopt, {}, 1};
   });
 }
 
@@ -111,25 +93,13 @@ void Hops::on_acknowledgment(const MacAddress& from, const wire::HopAcknowledgme
   air_.acknowledged(acknowledgment.newest_counter, Time(acknowledgment.spacing_ns), now - Time(acknowledgment.held_ns),
                     kAcknowledgmentOctets);
   turns_.answered(from, acknowledgment.newest_counter, now);
-  std::vector<HopSender::Passed> passed;
   Hop& answering = hop(from);
-  note_answer(answering, acknowledgment, air_.undisturbed_frame_time(from));
-  answering.sender.acknowledged(acknowledgment, now, journal_.kept() ? &passed : nullptr);
-  record(from, passed, now);
-}
-
-void Hops::note_answer(Hop& hop, const wire::HopAcknowledgment& acknowledgment, Time frame_time) {
-  if (!hop.sender.asked(acknowledgment.newest_counter)) return;
-  const bool held = Time(acknowledgment.held_ns) > kHeldFrames * frame_time;
-  hop.holds += ((held ? 1.0 : 0.0) - hop.holds) / 2;
-}
-
-void Hops::record(const MacAddress& neighbor, const std::vector<HopSender::Passed>& passed, Time now) {
-  for (const auto& [frame, link_sequence, sent, repetitions] : passed) {
-    const MacAddress source = source_of(frame).value_or(self_.address);
-    journal_.add(now, FramePassed{routing::name_or_address(self_, directory_, source), self_.address, neighbor,
-                                  link_sequence, sent, now, repetitions});
+  if (answering.sender.asked(acknowledgment.newest_counter)) {
+    answering.held_answers.count(Time(acknowledgment.held_ns), air_.undisturbed_frame_time(from));
   }
+  std::vector<HopSender::Passed> passed;
+  answering.sender.acknowledged(acknowledgment, now, passed_.wanted() ? &passed : nullptr);
+  passed_.add(from, passed, now);
 }
 
 // --- what is due -----------------------------------------------------------------------------------------------------
@@ -164,7 +134,8 @@ Time Hops::acknowledgment_due(const MacAddress& neighbor, const HopReceiver& rec
   Time due = receiver.due();
   if (due == Time::max()) return due;
   if (air_.shared(due)) {
-    due = std::max(due, passes_on(neighbor) ? turns_.held_until(neighbor) : turns_.ends(neighbor));
+    const Time ends = turns_.ends(neighbor);
+    due = std::max(due, ends > Time(0) && passes_on(neighbor) ? turns_.held_until(neighbor) : ends);
   }
   return std::max(due, std::min(air_.ready_at(), receiver.owed_since() + kLatestAcknowledgment));
 }
@@ -276,7 +247,7 @@ bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop, FrameType type, Ti
 bool Hops::needs_turn(const Hop& hop, const HopSender::Outgoing& outgoing) {
   if (outgoing.type != FrameType::kData || !takes_turns(outgoing.route, outgoing.priority)) return false;
   if (!TurnTaking::comes_back(outgoing.route)) return true;
-  return hop.sender.reliable() && (outgoing.beyond > 0 ? hop.holds > kHolds : outgoing.passed_on);
+  return hop.sender.reliable() && (outgoing.beyond > 0 ? hop.held_answers.usual() : outgoing.passed_on);
 }
 
 bool Hops::ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,

@@ -10,8 +10,10 @@
 #include "outbox.hpp"
 #include "routing/neighbors.hpp"
 #include "routing/robot_directory.hpp"
+#include "transport/held_answers.hpp"
 #include "transport/hop_receiver.hpp"
 #include "transport/hop_sender.hpp"
+#include "transport/passed_frames.hpp"
 #include "transport/turn_taking.hpp"
 
 namespace adhoc_communication::transport {
@@ -74,8 +76,8 @@ class Hops : public Outbox {
   struct Hop {
     HopSender sender;
     std::optional<HopReceiver> receiver;
-    double holds = 0.0;  ///< share of the latest answers that were held back while what they are about was passed on
-    int pair = 0;        ///< counts frames; 0 and 1 are the pair that measures the air
+    HeldAnswers held_answers;
+    int pair = 0;  ///< counts frames; 0 and 1 are the pair that measures the air
 
     bool idle() const { return sender.settled() && (!receiver || receiver->due() == Time::max()); }
   };
@@ -88,7 +90,6 @@ class Hops : public Outbox {
   bool is_turn(const MacAddress& neighbor, std::uint8_t priority, Time now) const;
   bool wants_answer(const MacAddress& neighbor, Hop& hop, wire::FrameType type, Time now);
   void follow(const HopFrame& frame, const HopSender& next);
-  static void note_answer(Hop& hop, const wire::HopAcknowledgment& acknowledgment, Time frame_time);
   void send_urgent(const MacAddress& neighbor, Hop& hop, Time now);
   static bool needs_turn(const Hop& hop, const HopSender::Outgoing& outgoing);
   bool ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
@@ -96,16 +97,14 @@ class Hops : public Outbox {
   void start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now);
   void put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
                   Time now);
-  void record(const MacAddress& neighbor, const std::vector<HopSender::Passed>& passed, Time now);
 
   const Identity& self_;
   const EngineOptions& options_;
   routing::Neighbors& neighbors_;
-  const routing::RobotDirectory& directory_;
   air::AirClock& air_;
   air::Transmitter& transmitter_;
-  Journal& journal_;
   Statistics& statistics_;
+  PassedFrames passed_;
   BusyMap<Hop> hops_;
   TurnTaking turns_;
   MacAddress last_served_{};
