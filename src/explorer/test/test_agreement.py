@@ -383,7 +383,7 @@ def notes(bench: Bench) -> List[str]:
 def test_what_another_robot_claims_opens_nothing_until_it_is_gone() -> None:
     bench = ended()
     bench.map(corridor(left=False)).run(0.4)
-    bench.agent.mission._perceive(bench.now)
+    bench.agent.mission.looking.look(bench.now)
     points = frontier_points(bench)
     bench.agent.on_frontiers([Element("robot_1", i, *place) for i, place in enumerate(points)], bench.now)
     occupied = tuple(("robot_1", i) for i in range(len(points)))

@@ -17,6 +17,7 @@ from explorer.hearing import Hearing
 from explorer.homecoming import Homecoming
 from explorer.journal import Journal
 from explorer.leftovers import sentence
+from explorer.looking import Looking
 from explorer.making_room import MakingRoom
 from explorer.memory import Memory
 from explorer.messages import FAILED, REACHED, Auction, Emit, Note
@@ -54,7 +55,7 @@ class Exploration:
     ) -> None:
         name = options.robot_name
         self._name, self.strategy, self._emit = name, strategy, emit
-        self._senses, self._perception, self._foreign = senses, perception, foreign
+        self._senses, self._perception = senses, perception
         self._autostart = options.autostart
         self.orders = Orders(options)
         self._course = Course(self.orders)
@@ -71,6 +72,7 @@ class Exploration:
             options.number_unreachable_for_cluster, perception, self.verdicts, self.team, self.claim, emit
         )
         self.agreement = Agreement(foreign)
+        self.looking = Looking(self.team, foreign, self.verdicts, self.agreement, self.sharing, perception)
         self._announcing = Announcing(name, self.team, senses, perception, self.verdicts, self.ending, emit)
         self.hearing = Hearing(
             self.team, foreign, self.verdicts, self.agreement, self.sharing, self._announcing, perception
@@ -192,7 +194,7 @@ class Exploration:
         if self._senses.map is None or self._senses.pose is None:
             return False
         self._perception.touch()
-        self._perceive(now)
+        self.looking.look(now)
         return self._reopening.wanted(self._scenes.scene(now))
 
     def _reopen(self) -> None:
@@ -202,32 +204,22 @@ class Exploration:
         self._emit(Note("something new is to be explored; goes on"))
         self._course.be(State.EXPLORING, "goes on")
 
-    def _perceive(self, now: float) -> None:
-        heard = self.agreement.heard(now)
-        if heard is not self.verdicts.heard:
-            if heard.has_places or self.verdicts.heard.has_places:
-                self._perception.touch()
-            self.verdicts.heard = heard
-        others, known = list(self.team.positions(now).values()), len(self.team.known())
-        self.sharing.take_vanished(self._perception.update(self.verdicts, others, known, now))
-        self.sharing.ask_transforms(self._foreign.robots(), now)
-
     def _stand(self, now: float) -> None:
         """What a paused robot does: the others may need what it sees."""
         self._course.be(State.WAITING, PAUSED)
         if self.finished_at is None:
-            self._perceive(now)
+            self.looking.look(now)
             self.sharing.share(now)
 
     def _come_back(self, now: float) -> None:
-        self._perceive(now)
+        self.looking.look(now)
         self.sharing.share(now)
         self._homecoming.follow_call(now)
 
     def _explore(self, now: float) -> None:
         here = self._senses.pose
         assert here is not None
-        self._perceive(now)
+        self.looking.look(now)
         limit = self.orders.limits.reached(self.exploration_time(now), self._senses.distance)
         if limit is not None:
             self._finish(limit, now)
@@ -299,7 +291,7 @@ class Exploration:
 
     def _drive_home(self, now: float) -> None:
         if self._perception.field is None:
-            self._perceive(now)  # after a crash, or when the clock was set back
+            self.looking.look(now)  # after a crash, or when the clock was set back
         self._homecoming.end_mission(now)
 
     # ---- memory ---------------------------------------------------------------------------------------------------
