@@ -7,8 +7,9 @@ and what is latched never reaches it.
 
 import contextlib
 import threading
+import xmlrpc.client
+from http.client import HTTPException
 from typing import Dict, Iterator, List, Set, Tuple
-from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
@@ -55,8 +56,8 @@ class _Watch:
             subscribed = {topic for topic, _ in get_topic_manager().get_subscriptions()}
             pause = FIRST_LOOK if subscribed != self._subscribed else min(2.0 * pause, LONGEST_PAUSE)
             self._subscribed = subscribed
-            # A master or node that does not answer is asked again at the next look.
-            with contextlib.suppress(OSError, rosgraph.MasterException):
+            # Who does not answer, or not in order, is asked again at the next look.
+            with contextlib.suppress(OSError, HTTPException, xmlrpc.client.Error, rosgraph.MasterException):
                 self._look()
 
     def _look(self) -> None:
@@ -72,7 +73,7 @@ class _Watch:
         )
         for topic, addresses in missed.items():
             rospy.loginfo(f"{rospy.get_name()}: is not connected to a publisher of {topic}, asks for it anew")
-            ServerProxy(rospy.get_node_uri()).publisherUpdate(rospy.get_name(), topic, addresses)
+            xmlrpc.client.ServerProxy(rospy.get_node_uri()).publisherUpdate(rospy.get_name(), topic, addresses)
 
 
 def _connected() -> Publishers:
