@@ -54,7 +54,7 @@ class Footprint {
   const double half_length, half_width, radius;
 
  private:
-  // The point of the footprint nearest to the middle's direction there.
+  // The place, or where the radius cuts off the way to it from the middle.
   Point cut_off(const Point& place) const {
     const double share = cut_off_ ? std::min(1.0, radius / mr_grid::length_of(place)) : 1.0;
     return {share * place.x, share * place.y};
