@@ -25,12 +25,20 @@ class LogError(Exception):
 
 
 class LogFolder:
-    """`<log_path>/map_merger/<robot>`, made when there is something to write."""
+    """`<log_path>/map_merger/<robot>`; without a path nothing is written."""
 
     def __init__(self, log_path: str, robot: str) -> None:
-        """`log_path`: empty for none; "~" is the home folder."""
+        """`log_path`: empty for none; "~" is the home folder. LogError if the folder cannot be made or written to."""
         logs = os.path.expanduser(log_path)
         self._path = os.path.join(logs, "map_merger", robot) if logs else ""
+        if not logs:
+            return
+        try:
+            os.makedirs(self._path, exist_ok=True)
+        except OSError as error:
+            raise LogError(f"parameter log_path is {log_path!r}: {error}") from error
+        if not os.access(self._path, os.W_OK):
+            raise LogError(f"parameter log_path is {log_path!r}: {self._path} cannot be written to")
 
     def write_output(
         self,

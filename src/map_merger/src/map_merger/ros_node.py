@@ -73,10 +73,9 @@ ADHOC_QUEUE = 1000
 class MapMergerNode:
     """The node."""
 
-    def __init__(self, options: Options) -> None:
-        self._options = options
+    def __init__(self, options: Options, logs: LogFolder) -> None:
+        self._options, self._logs = options, logs
         self._prefix = options.robot_prefix + "/" if options.robot_prefix else ""
-        self._logs = LogFolder(options.log_path, options.robot_name)
         self.begins_anew = False
         topic = options.local_map_topic if options.has_local_map else ""
         self._own_run = OwnRun(options.robot_name, topic, options.local_map_frame_id)
@@ -333,13 +332,14 @@ def main() -> int:
         del given["initial_poses"]
     try:
         options = options_of(given, socket.gethostname())
-    except OptionError as error:
+        logs = LogFolder(options.log_path, options.robot_name)
+    except (OptionError, LogError) as error:
         rospy.logfatal(f"map_merger: {error}")
         return 1
     warn_of_unknown_parameters(PARAMETERS)
     for warning in warnings_of(given, socket.gethostname()):
         rospy.logwarn(f"map_merger: {warning}")
-    node = MapMergerNode(options)
+    node = MapMergerNode(options, logs)
     with until_shutdown():
         node.run()
     if node.begins_anew:
