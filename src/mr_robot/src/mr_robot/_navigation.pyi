@@ -82,6 +82,7 @@ def remember(
     ranges: np.ndarray,
     angle_min: float,
     angle_increment: float,
+    range_min: float,
     mount: _Pose,
     pose: _Pose,
     walls: Walls,

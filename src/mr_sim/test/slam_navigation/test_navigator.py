@@ -932,6 +932,25 @@ def test_what_the_laser_sees_gone_is_forgotten_wherever_its_angles_begin(
     assert not len(seen_around(make_scan(np.full(720, 8.0), first, turn, 0.1, 8.0, Pose()), wall))
 
 
+@pytest.mark.parametrize("ahead, stays", [(0.4, True), (0.8, False), (-0.4, False)])
+def test_what_came_too_near_to_be_read_is_forgotten_only_when_something_is_read_behind_it(
+    ahead: float, stays: bool
+) -> None:
+    """Two robots that stood face to face, each nearer than the other reads, forgot each other and drove on."""
+    angles, costs = np.linspace(-0.5, 0.5, 101), CostMap(room(), navigation_with())
+    surroundings, pose = Surroundings(navigation_with()), Pose(3.0 - ahead, 2.0, 0.0)
+
+    def see(ranges: np.ndarray, at: Pose, now: float) -> None:
+        surroundings.see(make_scan(ranges, angles[0], 0.01, 0.45, 8.0, Pose()), at, costs, now)
+
+    see(np.where(abs(angles) < 0.1, 1.0, np.nan), Pose(2.0, 2.0, 0.0), 0.0)
+    for now in (0.1, 5.0, 10.0):
+        see(np.full(101, np.nan), pose, now)
+    assert bool(len(surroundings.moving_points(pose))) == stays
+    see(np.full(101, 8.0), pose, 10.1)
+    assert not len(surroundings.moving_points(pose))
+
+
 @pytest.mark.parametrize("turn", [2.0 * math.pi / 720, -2.0 * math.pi / 720])
 def test_a_laser_that_sees_all_around_has_no_edge(turn: float) -> None:
     """One that hangs upside down seemed to have: the wall went on from where its first beam hits it."""

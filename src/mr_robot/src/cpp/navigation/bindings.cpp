@@ -115,7 +115,7 @@ OwnedWalls own_walls(const Bytes& cells, const Floats& distance, double resoluti
 }
 
 ScanView view_of(const Doubles& points, const Doubles& ranges, double angle_min, double angle_increment,
-                 const Triple& mount) {
+                 double range_min, const Triple& mount) {
   require(points.ndim() == 2 && points.shape(1) == 2, "points need the shape (n, 2)");
   return {reinterpret_cast<const Point*>(points.data()),
           static_cast<std::size_t>(points.shape(0)),
@@ -123,6 +123,7 @@ ScanView view_of(const Doubles& points, const Doubles& ranges, double angle_min,
           static_cast<std::size_t>(ranges.size()),
           angle_min,
           angle_increment,
+          range_min,
           to_pose(mount)};
 }
 
@@ -242,19 +243,20 @@ PYBIND11_MODULE(_navigation, module) {
   module.def(
       "remember",
       [](const Doubles& old, const Doubles& points, const Doubles& ranges, double angle_min, double angle_increment,
-         const Triple& mount, const Triple& pose, const OwnedWalls& walls, const Memory& memory, double now) {
-        const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
+         double range_min, const Triple& mount, const Triple& pose, const OwnedWalls& walls, const Memory& memory,
+         double now) {
+        const ScanView scan = view_of(points, ranges, angle_min, angle_increment, range_min, mount);
         return to_rows(remember(to_remembered(old), scan, to_pose(pose), walls.view, memory, now));
       },
       py::arg("old"), py::arg("points"), py::arg("ranges"), py::arg("angle_min"), py::arg("angle_increment"),
-      py::arg("mount"), py::arg("pose"), py::arg("walls"), py::arg("memory"), py::arg("now"),
+      py::arg("range_min"), py::arg("mount"), py::arg("pose"), py::arg("walls"), py::arg("memory"), py::arg("now"),
       "Remembered points, rows (x, y, time seen), after one more scan.");
   module.def(
       "surroundings",
       [](const Doubles& points, const Triple& pose, const Doubles& remembered, const OwnedWalls& walls,
          const OwnedMap* own, const Footprint& footprint, const Margins& margins, double reach, const Doubles& ranges,
          double angle_min, double angle_increment, const Triple& mount) {
-        const ScanView scan = view_of(points, ranges, angle_min, angle_increment, mount);
+        const ScanView scan = view_of(points, ranges, angle_min, angle_increment, 0.0, mount);
         return to_rows(surroundings(scan, to_pose(pose), to_remembered(remembered), walls.view,
                                     own == nullptr ? nullptr : &own->view, footprint, margins, reach));
       },

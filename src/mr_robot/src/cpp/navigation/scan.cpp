@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace mr_robot::navigation {
 
@@ -18,17 +19,29 @@ std::vector<Point> hits(double* ranges, std::size_t count, const Point* directio
   return points;
 }
 
-double reading_towards(const Point& point, const Point& eye, double heading, const ScanView& scan) {
+namespace {
+
+std::optional<double> beam_towards(const Point& point, const Point& eye, double heading, const ScanView& scan) {
   const double bearing = mr_grid::normalized(std::atan2(point.y - eye.y, point.x - eye.x) - heading);
   const double steps = (bearing - scan.angle_min) / scan.angle_increment;
   const double turn = 2.0 * M_PI / std::abs(scan.angle_increment);
   const double beam = std::nearbyint(steps - turn * std::floor((steps + 0.5) / turn));
-  if (!(beam >= 0.0 && beam < static_cast<double>(scan.range_count))) return 0.0;
+  if (!(beam >= 0.0 && beam < static_cast<double>(scan.range_count))) return std::nullopt;
   return scan.ranges[static_cast<std::size_t>(beam)];
+}
+
+}  // namespace
+
+double reading_towards(const Point& point, const Point& eye, double heading, const ScanView& scan) {
+  return beam_towards(point, eye, heading, scan).value_or(0.0);
 }
 
 bool seen_gone(const Point& point, const Point& eye, double heading, const ScanView& scan, double beyond) {
   return reading_towards(point, eye, heading, scan) > std::hypot(point.x - eye.x, point.y - eye.y) + beyond;
+}
+
+bool too_near(const Point& point, const Point& eye, double heading, const ScanView& scan) {
+  return within(point, eye, scan.range_min) && beam_towards(point, eye, heading, scan) == 0.0;
 }
 
 bool in_view(const Point& point, const Point& eye, double heading, const ScanView& scan) {

@@ -14,6 +14,7 @@ struct ScanView {
   const double* ranges;  // m by beam, 0 = not valid
   std::size_t range_count;
   double angle_min, angle_increment;  // rad
+  double range_min;                   // m, nearer than which it reads nothing
   Pose mount;                         // of the laser on the robot
 };
 
@@ -28,6 +29,9 @@ double reading_towards(const Point& point, const Point& eye, double heading, con
 
 // Whether the scan looks through the point, or would hit it if it were still there.
 bool seen_gone(const Point& point, const Point& eye, double heading, const ScanView& scan, double beyond);
+
+// Whether the point is in the field of view but too near to be read, and nothing is read behind it.
+bool too_near(const Point& point, const Point& eye, double heading, const ScanView& scan);
 
 // Whether a valid reading of the scan goes in that direction, so that it would show what is there.
 bool in_view(const Point& point, const Point& eye, double heading, const ScanView& scan);

@@ -64,6 +64,10 @@ std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanV
   const Point eye = place({scan.mount.x, scan.mount.y});
   const double heading = pose.yaw + scan.mount.yaw;
   for (const Remembered& point : old) {
+    if (too_near({point.x, point.y}, eye, heading, scan)) {
+      keep({point.x, point.y, now});
+      continue;
+    }
     const bool valid = now - point.time < memory.duration && point.time <= now;
     if (valid && !seen_gone({point.x, point.y}, eye, heading, scan, surface)) keep(point);
   }

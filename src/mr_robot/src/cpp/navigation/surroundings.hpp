@@ -28,7 +28,8 @@ struct Margins {
 };
 
 // The memory after one more scan taken at `pose`: its hits that are no walls of the map, then what is left of the old.
-// Of several points in a square the first is kept.
+// Of several points in a square the first is kept. What came too near to be read stays until something is read behind
+// it.
 std::vector<Remembered> remember(const std::vector<Remembered>& old, const ScanView& scan, const Pose& pose,
                                  const Walls& walls, const Memory& memory, double now);
 

@@ -42,6 +42,6 @@ class ObstacleMemory:
         """`walls`: of the map; hits at them are not remembered, and of others one in each of its cells."""
         rule = _navigation.Memory(self._duration, walls.resolution, REMEMBERED_LIMIT)
         self._rows = _navigation.remember(
-            self._rows, scan.points, scan.ranges, scan.angle_min, scan.angle_increment, scan.mount, pose, walls,
-            rule, now,
+            self._rows, scan.points, scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.mount,
+            pose, walls, rule, now,
         )  # fmt: skip
