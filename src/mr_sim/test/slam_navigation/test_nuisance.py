@@ -3,13 +3,14 @@
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import List
+from typing import Callable, List
 
 import numpy as np
 import pytest
 
 from mr_grid import OccupancyGrid, Pose
 from mr_sim.bench_navigation import rows
+from mr_sim.closed_loop import ClosedLoop
 from mr_sim.nuisance import reach as reach_module
 from mr_sim.nuisance.merged import MergedMap
 from mr_sim.nuisance.reach import Reach
@@ -126,6 +127,29 @@ def test_a_goal_is_not_given_up_while_robots_give_way_to_each_other() -> None:
     run = run_seed(117)
     assert run.contacts == 0 and not any(goal.why for goal in run.goals)
     assert any(goal.reached for goal in run.goals)
+
+
+def test_robots_that_do_not_read_what_is_near_do_not_push_each_other() -> None:
+    """Face to face, each of two Turtlebots forgot what had come nearer than its laser reads."""
+    assert run_seed(64125, "turtlebot").contacts == 0
+
+
+@pytest.mark.parametrize("seed", [73149, 75125])
+def test_a_robot_that_meets_another_before_an_unknown_room_stays_where_it_is(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It looked through where the other had stood, or on nothing but the other, and believed to be in the room behind
+    it, which looks alike: 2 and 4 m away."""
+    errors: List[float] = []
+
+    class Watched(ClosedLoop):
+        def run(self, until: float, stop: Callable[[], bool] = lambda: False) -> None:
+            super().run(until, stop)
+            errors.extend(max(robot.drift) for robot in self.robots)
+
+    monkeypatch.setattr("mr_sim.nuisance.runs.ClosedLoop", Watched)
+    run_seed(seed, "turtlebot")
+    assert max(errors) < 0.2
 
 
 @pytest.mark.parametrize("seed", range(len(KINDS)))

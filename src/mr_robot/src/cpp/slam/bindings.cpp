@@ -23,7 +23,7 @@ PoseTuple to_tuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 SlamOptions slam_options(double surface_deviation, double free_radius, double small_object_size, double resolution,
                          double match_distance, double match_angle, double insert_distance, double insert_angle,
                          double insert_interval, double search_window, double surface_window, double free_range) {
-  SlamOptions options{{free_radius}, {surface_deviation}, {small_object_size}};
+  SlamOptions options{{free_radius, small_object_size}, {surface_deviation}, {small_object_size}};
   options.grid.resolution = resolution;
   options.match.window = search_window;
   options.scan.surface_window = surface_window;

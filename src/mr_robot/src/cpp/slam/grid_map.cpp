@@ -12,6 +12,7 @@ constexpr int kBlock = Surfaces::kBlock;  // the grid grows by whole blocks of c
 constexpr float kMemory = 60.0F;          // hits after which a surface is a running mean
 constexpr double kSurfaceReach = 0.02;    // m, a beam passing a surface this near has seen through it
 constexpr double kBehind = 0.1;           // m, and it must end this far behind it
+constexpr int kGap = 2;                   // cells from one to the next of a surface: one may lie between them
 constexpr double kStripShare = 0.5;       // of the radius that is free: half the width of the strip out to the laser
 
 int block_floor(int value) { return static_cast<int>(std::floor(static_cast<double>(value) / kBlock)) * kBlock; }
@@ -274,10 +275,34 @@ bool GridMap::blocked(const Point& eye, const Point& end) const {
   const Ray ray{eye, end, {(end.x - eye.x) / length, (end.y - eye.y) / length}};
   bool found = false;
   walk(ray, length, [&](const Cell& cell) {
-    found = contains(cell) && has_surface(cell) && sees_through(surface_of(cell), ray);
+    found = contains(cell) && has_surface(cell) && sees_through(surface_of(cell), ray) && !stands_alone(cell);
     return !found;
   });
   return found;
+}
+
+bool GridMap::stands_alone(const Cell& middle) const {
+  const int reach = static_cast<int>(std::ceil(options_.small_object_size / options_.resolution));
+  const int side = 2 * reach + 1;
+  std::vector<char> met(static_cast<std::size_t>(side) * side);
+  std::vector<Cell> next{middle};
+  Cell low = middle, high = middle;
+  while (!next.empty()) {
+    const Cell cell = next.back();
+    next.pop_back();
+    low = {std::min(low.x, cell.x), std::min(low.y, cell.y)};
+    high = {std::max(high.x, cell.x), std::max(high.y, cell.y)};
+    if (length_of(high.x - low.x, high.y - low.y) * options_.resolution > options_.small_object_size) return false;
+    const auto meet = [&](const Cell& at) {
+      const int column = at.x - middle.x + reach, row = at.y - middle.y + reach;
+      if (column < 0 || row < 0 || column >= side || row >= side) return;
+      char& known = met[static_cast<std::size_t>(row) * side + column];
+      if (known == 0) next.push_back(at);
+      known = 1;
+    };
+    visit_marked({cell.x - kGap, cell.y - kGap}, {cell.x + kGap, cell.y + kGap}, meet);
+  }
+  return true;
 }
 
 // The ground under the robot is free: a disc around its middle, and a strip from there to a laser beyond the disc, or

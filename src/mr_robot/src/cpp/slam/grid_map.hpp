@@ -16,6 +16,7 @@ struct Cell {
 
 struct GridOptions {
   double free_radius;            // m around the robot that is free because the robot is there
+  double small_object_size;      // m from end to end, up to which what stands alone may be a robot
   double resolution = 0.05;      // m
   double occupied_step = 1.2;    // log-odds of one hit
   double free_step = 0.5;        // log-odds of one beam through
@@ -59,7 +60,8 @@ class GridMap {
   bool known(const Cell& cell) const;
   // Whether something was hit there or beside it, too far away or too scattered to be a surface.
   bool hit_beside(const Cell& cell) const;
-  // Whether a surface of the map lies across the line, well before its end.
+  // Whether a surface of the map lies across the line, well before its end. A small one that stands alone says nothing:
+  // a robot that stood close by, and has left, hid as much as a wall.
   bool blocked(const Point& eye, const Point& end) const;
 
   // m of beams that have been drawn: what that has cost.
@@ -93,6 +95,8 @@ class GridMap {
   template <class Visit>
   void walk(const Ray& ray, double length, Visit visit) const;
   bool sees_through(const Surface& surface, const Ray& ray) const;
+  // Whether the surface in a cell and those around it, one beside the other, are small enough for what moves.
+  bool stands_alone(const Cell& cell) const;
   void free_cell(const Cell& cell, const Ray& ray);
   void free_footprint(const Pose& robot, const Point& eye);  // `eye`: the laser, robot's frame
 
