@@ -213,6 +213,7 @@ def test_a_replay_shows_auctions_as_they_stood(tmp_path):
         await seek(tab, 5.2)
         assert await tab.run(AUCTIONS) == ["0:05robot_0: open: 2 clusters, 0 others have answered"]
         await tab.click("#auctions summary")
+        await tab.wait_for(f"{ROWS}.length")  # browsers tell a page of an unfolded element a moment later
         assert await tab.run(BIDS) == [["(1.0, 3.0)", "3.0"], ["(1.0, 4.0)", NO_BID]]
         await seek(tab, 5.6)
         assert await tab.run(AUCTIONS) == ["0:05robot_0: open: 2 clusters, 1 other has answered"]
