@@ -6,6 +6,7 @@ from typing import Mapping, Optional
 import rospy
 
 from mr_grid import OccupancyGrid
+from mr_grid.log_folder import log_folder
 
 from .effects import SaveDebugImages
 from .log_files import (
@@ -29,16 +30,10 @@ class LogFolder:
 
     def __init__(self, log_path: str, robot: str) -> None:
         """`log_path`: empty for none; "~" is the home folder. LogError if the folder cannot be made or written to."""
-        logs = os.path.expanduser(log_path)
-        self._path = os.path.join(logs, "map_merger", robot) if logs else ""
-        if not logs:
-            return
         try:
-            os.makedirs(self._path, exist_ok=True)
+            self._path = log_folder(log_path, "map_merger", robot)
         except OSError as error:
             raise LogError(f"parameter log_path is {log_path!r}: {error}") from error
-        if not os.access(self._path, os.W_OK):
-            raise LogError(f"parameter log_path is {log_path!r}: {self._path} cannot be written to")
 
     def write_output(
         self,
