@@ -92,9 +92,12 @@ def test_strategies_of_the_environment_are_known_by_number_everywhere() -> None:
 
 
 def test_an_environment_that_cannot_be_used_ends_the_program_with_one_line() -> None:
+    """With exit code 1 the team runner said by it that robots had not finished."""
+    remedy = "; correct or unset this variable of the environment\n"
     found = in_another_process("import explorer.options", "spread")
     assert (found.returncode, found.stderr) == (
-        1, "EXPLORER_STRATEGIES: 'spread' is not of the form module:Class or path/file.py:Class\n",
+        2, f"EXPLORER_STRATEGIES: 'spread' is not of the form module:Class or path/file.py:Class{remedy}",
     )  # fmt: skip
     found = in_another_process("import explorer.options", "no_such_module:Mine")
-    assert found.returncode == 1 and "ModuleNotFoundError: No module named 'no_such_module'" in found.stderr
+    reason = "strategy 'no_such_module:Mine': ModuleNotFoundError: No module named 'no_such_module'"
+    assert (found.returncode, found.stderr) == (2, f"EXPLORER_STRATEGIES: {reason}{remedy}")

@@ -1,7 +1,8 @@
 """Strategies that are not part of this package: classes in modules or files of the user's own, named by their place."""
 
 import os
-from typing import Type
+import sys
+from typing import NoReturn, Type
 
 from explorer.strategies.strategy import REGISTRY, Strategy, registered
 from mr_grid.by_place import PlaceError, names_a_place, object_at
@@ -33,11 +34,17 @@ def strategy_at(place: str) -> Type[Strategy]:
 
 
 def strategies_of_environment() -> None:
-    """Registers what the environment variable names. What cannot be used ends the program with one line."""
+    """Registers what the environment variable names. What cannot be used ends the program with one line and exit code
+    2, as bad options do."""
     for place in os.environ.get(VARIABLE, "").split():
         if not names_a_place(place):
-            raise SystemExit(f"{VARIABLE}: {place!r} is not of the form module:Class or path/file.py:Class")
+            _end(f"{place!r} is not of the form module:Class or path/file.py:Class")
         try:
             strategy_at(place)
         except KeyError as error:
-            raise SystemExit(f"{VARIABLE}: {error.args[0]}") from error
+            _end(error.args[0])
+
+
+def _end(reason: str) -> NoReturn:
+    print(f"{VARIABLE}: {reason}; correct or unset this variable of the environment", file=sys.stderr)
+    raise SystemExit(2)
