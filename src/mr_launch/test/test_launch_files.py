@@ -382,10 +382,23 @@ def test_an_own_robot(tmp_path):
         (["frontier_selection:=9"], "explorer: parameter ~frontier_selection is 9, out of range 0 to 7"),
         (["strategy:=nearby"], "explorer: parameter ~strategy is 'nearby'"),
         (["time_limit:=-1"], "explorer: parameter ~time_limit is -1.0, out of range"),
+        (
+            ["log_path:=/etc/hostname/logs"],
+            "log_path:=/etc/hostname/logs: /etc/hostname is no folder that can be written",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_starts(arguments, part, capfd):
     assert part in refused(capfd, "robot.launch", *arguments)
+
+
+def test_a_folder_of_logs_may_be_there_or_yet_to_be_made(tmp_path, monkeypatch):
+    """It is made by the nodes: a launch file is also read to be looked at."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))
+    for path in (str(tmp_path), f"{tmp_path}/new/logs", "~/logs", "logs"):
+        assert parameters_of("robot.launch", f"log_path:={path}")["/explorer/log_path"] == path
+    assert not (tmp_path / "new").exists() and not (tmp_path / "logs").exists()
 
 
 def refused(capfd, name, *arguments):

@@ -4,6 +4,7 @@ ends roslaunch with one line."""
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 from typing import Any, Sequence
@@ -23,6 +24,7 @@ def make_parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("parameters", nargs="*", metavar="NODE/PARAMETER=VALUE", help="as the launch file gives them to the nodes")
     add("--folders", nargs="+", default=[], metavar="FOLDER", help="with NODE.yaml, read before: later ones count")
+    add("--log-path", default="", metavar="FOLDER", help="in which nodes write their logs")
     add("--simulator", default="", metavar="NAME", help="of the world")
     add("--world", default="", metavar="NAME|FILE", help="that the simulator is given")
     add("--robots", type=int, default=1, metavar="N", help="that it needs (default: 1)")
@@ -74,6 +76,15 @@ def _read(what: str, text: str) -> Any:
         raise UserError(f"{what} is no YAML: {' '.join(str(error).split())}") from None
 
 
+def check_log_path(log_path: str) -> None:
+    """Raises UserError if no node could write there. Makes nothing, as launch files are also read to be looked at."""
+    home = os.environ.get("ROS_HOME", "~/.ros")  # where roslaunch starts nodes
+    folder = Path(home).expanduser() / Path(log_path).expanduser()
+    there = next(place for place in (folder, *folder.parents) if place.exists())
+    if log_path and not (there.is_dir() and os.access(there, os.W_OK | os.X_OK)):
+        raise UserError(f"log_path:={log_path}: {there} is no folder that can be written to")
+
+
 def check_world(simulator: str, world: str, robots: int) -> None:
     """Raises UserError or PlatformError."""
     check_simulator(simulator, find_package)
@@ -99,6 +110,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         given = make_parser().parse_args(arguments)
         check_nodes(given.parameters, [Path(folder) for folder in given.folders])
+        check_log_path(given.log_path)
         if given.simulator:
             check_world(given.simulator, given.world, given.robots)
     except (UserError, PlatformError) as error:
