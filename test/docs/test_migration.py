@@ -34,6 +34,18 @@ ORIGINAL_SERVICES: Dict[str, str] = {
     "map_merger": "transformPoint logOutput",
     "explorer": "",
 }
+ORIGINAL_TOPICS: Dict[str, str] = {  # that the node publishes
+    "adhoc_communication": "new_robot remove_robot",
+    "map_merger": "global_map all_positions",
+    "explorer": "frontierPoints visitedfrontierPoints goalPoint/goalPoint homePoint/homePoint goalPoint "
+    + " ".join(f"cluster_grid_{number}" for number in range(20)),
+}
+SILENT = {  # what nothing warns of: a word of the behaviour
+    "adhoc_communication": "num_rreq beacon_interval new_robot latched /rosout loss_ratio simple_simulator.py",
+    "map_merger": "max_rotation_robots split_size all_positions seconds_send_position",
+    "explorer": "exploration.launch explore.py costmaps Home Fallback Waits Heading wait_for_planner_result assignment"
+    " detected_by_robot_str bid",
+}
 WITH_A_ROW = {"send_quaternion"}  # new, and told in the table of differences
 
 
@@ -79,3 +91,37 @@ def test_new_services_are_those_of_the_node(package: str) -> None:
     originals = set(ORIGINAL_SERVICES[package].split())
     assert told(package, "services") == services(package) - originals - WITH_A_ROW
     assert originals <= services(package), "the original's are all offered"
+
+
+def published(package: str) -> Set[str]:
+    if package == "explorer":
+        return set(explorer_names.names_for(explorer_options.load({}, host_name="anna")).published.values())
+    place, call = {
+        "map_merger": ("src/map_merger", r"rospy\.Publisher\(f?\"(?:~|\{prefix\})(\w+)\""),
+        "adhoc_communication": ("src/node", r"advertise<\w[\w:]*>\(\s*(?:\w+ \+ )?\"(/?[\w/]+)\""),
+    }[package]
+    folder = REPOSITORY / "src" / package / place
+    files = [path for path in folder.rglob("*") if path.suffix in (".py", ".cpp")]
+    return {name for path in files for name in re.findall(call, path.read_text(encoding="utf-8"))}
+
+
+@pytest.mark.parametrize("package", ORIGINAL_TOPICS)
+def test_new_topics_are_those_of_the_node(package: str) -> None:
+    listed = {name.replace("adhoc_communication/", "") for name in told(package, "topics")}
+    new = {name.lstrip("~") for name in published(package)} - set(ORIGINAL_TOPICS[package].split())
+    assert new and {name for name in listed if "/" not in name.strip("/")} == new
+
+
+@pytest.mark.parametrize("package", ["map_merger", "explorer"])
+def test_so_are_those_by_which_its_robots_tell_each_other_more(package: str) -> None:
+    files = (REPOSITORY / "src" / package / "src" / package).glob("*.py")
+    call = r"^(?:\w+_)?TOPIC = \"(\w+/\w+)\""
+    sent = {name for path in files for name in re.findall(call, path.read_text(encoding="utf-8"), re.MULTILINE)}
+    assert sent and {name for name in told(package, "topics") if "/" in name} == sent
+
+
+@pytest.mark.parametrize("package", SILENT)
+def test_what_differs_without_a_word_is_in_the_table(package: str) -> None:
+    section = PAGE.split(f"\n## {package}\n")[1].split("\n## ")[0]
+    silent = "\n".join(line for line in section.splitlines() if "(**silent**)" in line)
+    assert [word for word in SILENT[package].split() if word not in silent] == []
