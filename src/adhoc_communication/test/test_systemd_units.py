@@ -2,9 +2,12 @@
 
 import os
 import pathlib
+import re
+import shlex
 import shutil
 import stat
 import subprocess
+from typing import List
 
 import pytest
 
@@ -53,3 +56,34 @@ def test_a_mistake_would_be_told(units: pathlib.Path) -> None:
 def test_programs_stand_where_the_test_looks() -> None:
     text = "".join(unit.read_text() for unit in UNITS.glob("*.service"))
     assert all(program in text for program in PROGRAMS)
+
+
+def started(folder: pathlib.Path, **given: str) -> List[str]:
+    """The words with which the unit of a robot starts roslaunch."""
+    stand_in = folder / "roslaunch"
+    stand_in.write_text("#!/bin/sh\nprintf '%s\\n' \"$@\"\n")
+    stand_in.chmod(0o755)
+    workspace = folder / "setup.bash"
+    workspace.write_text(f"export PATH={folder}:$PATH\n")
+    text = (UNITS / "robot@.service").read_text().replace("%I", "wlan0").replace("%H", "anna")
+    settings = re.search("^Environment=(.*)$", text, re.MULTILINE)
+    command = re.search("^ExecStart=(.*)$", text, re.MULTILINE)
+    assert settings and command
+    environment = {
+        **dict(word.split("=", 1) for word in shlex.split(settings[1])),
+        "WORKSPACE": str(workspace),
+        **given,
+    }
+    done = subprocess.run(shlex.split(command[1]), env=environment, capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
+
+
+def test_a_robot_is_started_with_what_its_settings_say(tmp_path: pathlib.Path) -> None:
+    """There was no place for the topics of a Pioneer's drivers."""
+    usual = [
+        "mr_launch", "robot.launch", "robot:=pioneer", "robot_name:=anna", "interface:=wlan0",
+        "key_file:=/home/robot/team.key",
+    ]  # fmt: skip
+    assert started(tmp_path) == usual
+    more = started(tmp_path, ARGUMENTS="scan_topic:=scan autostart:=false", NAME="bob")
+    assert more == [*usual[:3], "robot_name:=bob", *usual[4:], "scan_topic:=scan", "autostart:=false"]
