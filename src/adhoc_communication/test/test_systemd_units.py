@@ -87,3 +87,8 @@ def test_a_robot_is_started_with_what_its_settings_say(tmp_path: pathlib.Path) -
     assert started(tmp_path) == usual
     more = started(tmp_path, ARGUMENTS="scan_topic:=scan autostart:=false", NAME="bob")
     assert more == [*usual[:3], "robot_name:=bob", *usual[4:], "scan_topic:=scan", "autostart:=false"]
+
+
+def test_a_robot_whose_master_has_died_is_started_again() -> None:
+    """roslaunch ends with exit code 0 then, which is no failure to systemd: the robot stayed away."""
+    assert re.search("^Restart=always$", (UNITS / "robot@.service").read_text(), re.MULTILINE)
