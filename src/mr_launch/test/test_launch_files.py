@@ -2,6 +2,7 @@
 
 import functools
 import os
+import re
 import shlex
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -462,10 +463,19 @@ def test_robots_under_one_master_are_told_what_their_launch_file_is(name, tmp_pa
     ("name", "heading"), [("robot.launch", "Argument"), ("base_station.launch", "Argument of the base")]
 )
 def test_the_arguments_stand_in_the_readme(name, heading):
+    """No others, and with their defaults; what is empty or follows from others is said in words."""
+    table = (PACKAGE / "README.md").read_text().split(f"| {heading} | Default | Meaning |\n")[1].split("\n\n")[0]
+    told = {}
+    for row in table.splitlines()[1:]:
+        cells = [cell.strip() for cell in row.strip("|").split("|")]
+        names = re.findall(r"`(\w+)`", cells[0])
+        values = cells[1].split(", ")
+        told.update(zip(names, values if len(values) == len(names) else [cells[1]] * len(names)))
     root = ElementTree.parse(PACKAGE / "launch" / name).getroot()
-    table = (PACKAGE / "README.md").read_text().split(f"| {heading} | Default | Meaning |")[1].split("\n\n")[0]
-    for argument in root.findall("arg"):
-        assert f"`{argument.get('name')}`" in table, argument.get("name")
+    defaults = {argument.get("name"): argument.get("default") for argument in root.findall("arg")}
+    assert set(told) == set(defaults)
+    literal = {key: value for key, value in defaults.items() if value and "$(" not in value}
+    assert {key: told[key].strip("`") for key in literal} == literal
 
 
 def test_a_base_station_keeps_its_records_where_it_is_told(tmp_path):
