@@ -478,6 +478,13 @@ def test_the_arguments_stand_in_the_readme(name, heading):
     assert {key: told[key].strip("`") for key in literal} == literal
 
 
+def test_so_do_those_of_several_robots_under_one_master():
+    section = (PACKAGE / "README.md").read_text().split("\n## Several robots under one master\n")[1].split("\n## ")[0]
+    for name in ("simulation_2.launch", "simulation_5.launch"):
+        for argument in ElementTree.parse(PACKAGE / "launch" / name).getroot().findall("arg"):
+            assert re.search(rf"\b{argument.get('name')}(`|:=)", section), argument.get("name")
+
+
 def test_a_base_station_keeps_its_records_where_it_is_told(tmp_path):
     parameters = parameters_of("base_station.launch", "record:=true", f"record_path:={tmp_path}")
     assert parameters["/bag/output"] == f"--output-prefix={tmp_path}/topics"
