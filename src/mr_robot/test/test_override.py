@@ -1,5 +1,8 @@
 """A person who drives goes before navigation."""
 
+import re
+from pathlib import Path
+
 import pytest
 
 from mr_robot.override.engine import HOLD, STANDSTILL, Override, Velocity
@@ -42,3 +45,15 @@ def test_a_clock_that_jumps_back_does_not_leave_the_robot_with_the_person_for_ev
     override = Override()
     override.on_person(LEFT, 100.0)
     assert override.tick(5.0) == STANDSTILL
+
+
+def test_the_readme_names_what_the_node_reads_and_writes():
+    package = Path(__file__).resolve().parents[1]
+    node = (package / "src/mr_robot/override/node.py").read_text(encoding="utf-8")
+    row = re.search(r"^\| `velocity_override` .*$", (package / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert row is not None
+    told = set(re.findall(r"`([~\w/]+)`", row[0])) - {"velocity_override", "src/mr_robot/override"}
+    topics = re.findall(r'"(\w+/cmd_vel)"', node)
+    topic = re.search(r'topic_parameters\(\{"(\w+)": "(\w+)"\}\)', node)
+    assert topic is not None
+    assert told == {"~hold", f"~{topic[1]}", topic[2], *topics} and f"`~hold` ({HOLD})" in row[0]
