@@ -250,6 +250,13 @@ def test_a_mission_that_cannot_be_read_is_not_said_to_be_unwritable(mission, cap
     assert capsys.readouterr().err == f"export: {mission / PLAN_FILE} cannot be read: Permission denied\n"
 
 
+def test_a_file_that_cannot_be_written_is_called_as_it_was_asked_for(mission, capsys):
+    """It was called /proc/.mine.part."""
+    assert main([str(mission), "--out", "/proc/mine.mcap"]) == 1
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert said.startswith("export: /proc/mine.mcap cannot be written: ") and said.endswith("another place with --out")
+
+
 def test_a_bag_that_ends_in_the_middle(mission, capsys):
     bag = mission / "anna" / "anna.bag"
     bag.write_bytes(bag.read_bytes()[:-2000])

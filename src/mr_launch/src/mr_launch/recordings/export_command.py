@@ -36,7 +36,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         recording = find_recording(options.mission)
         target = _target(options.mission.resolve(), options.out)
-        return _export(recording, target, options)
+        return _written(recording, target, options)
     except UserError as error:
         print(f"export: {error}", file=sys.stderr)
         return BAD_CALL
@@ -46,6 +46,14 @@ def main(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         print("export: interrupted, nothing was written", file=sys.stderr)
         return INTERRUPTED
+
+
+def _written(recording: Recording, target: Path, options: argparse.Namespace) -> int:
+    try:
+        return _export(recording, target, options)
+    except OSError as error:  # names what is written on the way
+        print(f"export: {target} cannot be written: {error.strerror}; choose another place with --out", file=sys.stderr)
+        return FAILED
 
 
 def _target(mission: Path, out: Path | None) -> Path:
