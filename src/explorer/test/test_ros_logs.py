@@ -45,6 +45,7 @@ def test_a_full_disk_keeps_no_robot_from_exploring(tmp_path: Path, monkeypatch: 
     with monkeypatch.context() as patch:
         patch.setattr(builtins, "open", full)
         folder = ros_logs.LogFolder(str(tmp_path), "robot_0", goes_on=False)
-    assert said == ["explorer: cannot write the log: [Errno 28] No space left on device"]
+    reason = "No space left on device; the mission goes on without"
+    assert said == [f"explorer: cannot write the log in {tmp_path}/explorer/robot_0: {reason}"]
     folder.write(WriteLog("exploration.log", "complete=1\n", append=False))
     assert (tmp_path / "explorer/robot_0/exploration.log").read_text() == "complete=1\n"

@@ -34,9 +34,9 @@ class LogFolder:
         except OSError as error:
             self._complain(error)
 
-    @staticmethod
-    def _complain(error: OSError) -> None:
-        rospy.logwarn_throttle(60.0, f"explorer: cannot write the log: {error}")
+    def _complain(self, error: OSError) -> None:
+        text = f"explorer: cannot write the log in {self._path}: {error.strerror}; the mission goes on without"
+        rospy.logwarn_throttle(60.0, text)
 
     def _put(self, name: str, text: str, append: bool) -> None:
         os.makedirs(self._path, exist_ok=True)
