@@ -6,28 +6,16 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 namespace adhoc_communication {
-namespace {
-
-/// As in a shell, and as the other nodes take it: no shell expands what follows `:=`.
-std::filesystem::path with_home(const std::string& path) {
-  const char* home = std::getenv("HOME");
-  const bool at_home = path == "~" || path.rfind("~/", 0) == 0;
-  return at_home && home != nullptr ? home + path.substr(1) : path;
-}
-
-}  // namespace
-
 CsvFile::CsvFile(const std::string& log_path, const std::string& robot, const std::string& name, std::string header,
                  std::int64_t most_octets)
     : header_(std::move(header)), most_octets_(most_octets) {
   if (log_path.empty()) return;
-  const auto folder = with_home(log_path) / "adhoc_communication" / robot;
+  const auto folder = std::filesystem::path(log_path) / "adhoc_communication" / robot;
   path_ = folder / name;
   std::error_code error;
   std::filesystem::create_directories(folder, error);

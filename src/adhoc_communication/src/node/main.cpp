@@ -30,7 +30,8 @@ std::string host_name() {
 /// The original reads log_path beside the node, its launch files set it in the node's private namespace: both count.
 void add_public_log_path(XmlRpc::XmlRpcValue& values) {
   std::string log_path;
-  const bool is_private = values.getType() == XmlRpc::XmlRpcValue::TypeStruct && values.hasMember("log_path");
+  if (values.valid() && values.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;  // refused later
+  const bool is_private = values.valid() && values.hasMember("log_path");
   if (!is_private && ros::NodeHandle().getParam("log_path", log_path)) values["log_path"] = log_path;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <sstream>
 #include <stdexcept>
 
@@ -160,9 +161,17 @@ void check(const NodeOptions& options) {
   validate(options.engine);
 }
 
+/// As in a shell, and as the other nodes take it: no shell expands what follows `:=`.
+std::string with_home(const std::string& path) {
+  const char* home = std::getenv("HOME");
+  const bool at_home = path == "~" || path.rfind("~/", 0) == 0;
+  return at_home && home != nullptr ? home + path.substr(1) : path;
+}
+
 /// A node whose address stands in sim_robot_macs needs no `mac` of its own.
 void complete(NodeOptions& options, const std::string& host_name) {
   if (options.engine.robot_name.empty()) options.engine.robot_name = host_name;
+  for (std::string* path : {&options.log_path, &options.key_file, &options.capture_file}) *path = with_home(*path);
   if (options.mac) return;
   for (const auto& [address, name] : options.sim_robot_macs) {
     if (name == options.engine.robot_name) options.mac = address;
@@ -302,6 +311,9 @@ OptionsRead read_options(const XmlRpcValue& values, const std::string& host_name
   XmlRpcValue copy(values);  // XmlRpcValue has no const iteration
   if (copy.getType() == XmlRpcValue::TypeStruct) {
     for (const auto& [name, value] : copy) read_one(name, value, result);
+  } else if (copy.valid()) {
+    throw std::invalid_argument("a parameter has the name of this node, where its own parameters have to be: it is " +
+                                text_of(copy) + "; take it away with \"rosparam delete\", or rename the node");
   }
   complete(result.options, host_name);
   check(result.options);

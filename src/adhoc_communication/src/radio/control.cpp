@@ -2,6 +2,10 @@
 
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
+
+#include "robot_name.hpp"
+#include "texts.hpp"
 
 namespace adhoc_communication {
 namespace {
@@ -31,15 +35,8 @@ bool is_at_end(std::istringstream& words) {
   return words.eof();
 }
 
-}  // namespace
-
-Medium::Node node_named(Medium& medium, const std::string& name) {
-  if (const auto node = medium.find(name)) return *node;
-  if (medium.node_count() >= kMaxNodes) throw std::runtime_error("the radio knows 1000 robots and takes no more");
-  return medium.add_node(name);
-}
-
-std::string carry_out(const std::string& line, Medium& medium, Time now) {
+/// Throws std::invalid_argument for a robot that cannot be.
+std::string obey(const std::string& line, Medium& medium, Time now) {
   std::istringstream words(line);
   std::string command, name, other;
   double x = 0.0, y = 0.0;
@@ -61,6 +58,26 @@ std::string carry_out(const std::string& line, Medium& medium, Time now) {
     return refuse(line);
   }
   return "";
+}
+
+}  // namespace
+
+Medium::Node node_named(Medium& medium, const std::string& name) {
+  if (const auto node = medium.find(name)) return *node;
+  if (!is_robot_name(name)) throw std::invalid_argument(no_name_text(name));
+  if (medium.node_count() >= kMaxNodes) {
+    throw std::invalid_argument("the radio knows " + std::to_string(kMaxNodes) + " robots and takes no more: '" + name +
+                                "' is too many");
+  }
+  return medium.add_node(name);
+}
+
+std::string carry_out(const std::string& line, Medium& medium, Time now) {
+  try {
+    return obey(line, medium, now);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
 }
 
 std::string statistics_json(const Medium& medium) {

@@ -11,7 +11,7 @@ namespace adhoc_communication {
 /// A robot is named before its interface or hub client appears, too: its position is kept for it.
 std::string carry_out(const std::string& line, Medium& medium, Time now);
 
-/// The node of that name, made if need be.
+/// The node of that name, made if need be. Throws std::invalid_argument where there can be none.
 Medium::Node node_named(Medium& medium, const std::string& name);
 
 /// Counters of the whole and of each robot as JSON.

@@ -8,6 +8,8 @@
 #include <stdexcept>
 
 #include "radio/wall_image.hpp"
+#include "robot_name.hpp"
+#include "texts.hpp"
 
 namespace adhoc_communication {
 
@@ -95,7 +97,9 @@ void add_interface(RadioOptions& options, const std::string& text) {
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
     throw std::invalid_argument("--interface " + text + ": the form ROBOT=INTERFACE is needed");
   }
-  if (!options.interfaces.emplace(text.substr(0, equals), text.substr(equals + 1)).second) {
+  const std::string robot = text.substr(0, equals);
+  if (!is_robot_name(robot)) throw std::invalid_argument("--interface " + text + ": " + no_name_text(robot));
+  if (!options.interfaces.emplace(robot, text.substr(equals + 1)).second) {
     throw std::invalid_argument("--interface " + text + ": this robot is named twice");
   }
 }

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <iostream>
 #include <sstream>
+#include <stdexcept>
 
 #include "link/steady_now.hpp"
 #include "radio/control.hpp"
@@ -88,7 +89,13 @@ void Radio::name_hub_client(int descriptor, Time now) {
   unnamed_clients_.erase(descriptor);
   const auto name = client->receive_name();
   if (!name || name->empty()) return;  // closes the connection
-  const Medium::Node node = node_named(medium_, *name);
+  Medium::Node node{};
+  try {
+    node = node_named(medium_, *name);
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "radio: " << error.what() << std::endl;
+    return;
+  }
   const auto former = ports_.find(node);
   if (former != ports_.end()) node_of_descriptor_.erase(former->second->descriptor());  // a robot that started again
   medium_.set_up(node, true, now);

@@ -186,14 +186,6 @@ TEST_F(Files, LogHasItsHeaderAndRows) {
 }
 
 // A node that crashed was started again, and nothing was left of what its logs said of that.
-TEST_F(Files, LogsGoBelowTheHomeFolder) {
-  const std::string before = getenv("HOME") == nullptr ? "" : getenv("HOME");
-  setenv("HOME", folder.c_str(), 1);
-  CsvFile("~/logs", "alice", "a.csv", "#a").add("1");
-  setenv("HOME", before.c_str(), 1);
-  EXPECT_EQ(content(folder / "logs/adhoc_communication/alice/a.csv"), "#a\n1\n");
-}
-
 TEST_F(Files, LogOfTheRunBeforeIsKept) {
   const fs::path path = folder / "adhoc_communication/alice/a.csv";
   CsvFile(folder, "alice", "a.csv", "#a").add("1");

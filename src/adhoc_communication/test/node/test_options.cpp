@@ -34,6 +34,23 @@ TEST(Options, NoParametersMeanDefaultsAndTheHostName) {
   EXPECT_FALSE(options.mac);
 }
 
+TEST(Options, FilesMayLieBelowTheHomeFolder) {
+  const std::string before = getenv("HOME") == nullptr ? "" : getenv("HOME");
+  setenv("HOME", "/home/marley", 1);
+  XmlRpcValue values = with("log_path", "~/logs");
+  values["key_file"] = "~/team.key";
+  values["capture_file"] = "~other/x.pcap";
+  const NodeOptions options = read(values);
+  setenv("HOME", before.c_str(), 1);
+  EXPECT_EQ(options.log_path, "/home/marley/logs");
+  EXPECT_EQ(options.key_file, "/home/marley/team.key");
+  EXPECT_EQ(options.capture_file, "~other/x.pcap");
+}
+
+TEST(Options, AParameterInThePlaceOfThoseOfTheNodeIsRefused) {
+  EXPECT_NE(refusal_of(XmlRpcValue(5)).find("a parameter has the name of this node"), std::string::npos);
+}
+
 TEST(Options, ContractHasTheseDefaults) {
   const std::map<std::string, std::string> expected = {{"interface", "wlan0"},
                                                        {"mac", ""},

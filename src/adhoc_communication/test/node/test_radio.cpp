@@ -136,6 +136,14 @@ TEST_F(RadioTest, WallsOfAnImageStopFrames) {
   expect_arrival("position alice -3 0\nposition bob 1 0");
 }
 
+TEST_F(RadioTest, ARobotWithoutAProperNameIsNotHeardAndTheRadioGoesOn) {
+  start();
+  HubLink nobody(options_.hub, std::nullopt, "no\"body\n");
+  EXPECT_EQ(command("").find("body"), std::string::npos) << command("");
+  alice_->send(frame_from(*alice_));
+  EXPECT_TRUE(hears(*bob_, 10'000));
+}
+
 TEST_F(RadioTest, FramesTakeTheirAirTimeByTheClock) {
   options_.medium.bit_rate = 4e4;  // 200 ms a frame, 100 ms in a simulation at twice the speed
   options_.rtf = 2.0;

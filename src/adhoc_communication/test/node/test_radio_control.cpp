@@ -76,6 +76,18 @@ TEST_F(RadioControl, PositionsBeyondAllMeasureAreRefused) {
   EXPECT_NE(carry_out("position a 0 -1e300"), "");
 }
 
+TEST_F(RadioControl, WhatIsNoNameOfARobotIsRefused) {
+  EXPECT_NE(carry_out("position c\"d 0 0").find("cannot be the name of a robot"), std::string::npos);
+  EXPECT_NE(carry_out("down " + std::string(65, 'c')), "");
+  EXPECT_EQ(medium_.node_count(), 2u);
+}
+
+TEST_F(RadioControl, RobotsWithoutEndAreRefusedAndTheRadioGoesOn) {
+  for (int i = 0; i < 998; ++i) ASSERT_EQ(carry_out("position robot_" + std::to_string(i) + " 0 0"), "");
+  EXPECT_NE(carry_out("position robot_998 0 0").find("takes no more"), std::string::npos);
+  EXPECT_TRUE(arrives());
+}
+
 TEST(RadioControlByPathLoss, RangeIsRefusedBecauseItWouldDoNothing) {
   MediumOptions options;
   options.path_loss = PathLoss();
@@ -158,6 +170,7 @@ TEST(RadioOptions, WrongOnesAreRefused) {
                                                        {"--loss", "2", "--hub", "x"},
                                                        {"--interface", "air0"},
                                                        {"--interface", "=air0"},
+                                                       {"--interface", "a b=air0"},
                                                        {"--what", "1"},
                                                        {"--interface", "a=x", "--interface", "a=y"},
                                                        {"--hub", "x", "--seed", "-1"},
