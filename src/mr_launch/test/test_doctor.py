@@ -434,6 +434,13 @@ def test_key_files_are_read_as_the_radio_reads_them(tmp_path, text, mode, fault)
     assert not machine.key_file_of("team.key").absolute
 
 
+def test_a_key_file_below_the_home_folder_is_found_as_by_the_node(tmp_path, monkeypatch):
+    (tmp_path / "team.key").write_text("0f" * 32)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    key = machine.key_file_of("~/team.key")
+    assert key.absolute and not key.fault
+
+
 def test_the_key_of_another_user_is_not_said_to_be_missing(tmp_path, monkeypatch):
     def denied(*_, **__):
         raise PermissionError(13, "Permission denied")

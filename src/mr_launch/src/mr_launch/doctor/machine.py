@@ -64,7 +64,7 @@ def hub_of(interface: str) -> Hub:
 
 
 def key_file_of(path: str) -> KeyFile:
-    place = Path(path)
+    place = Path(os.path.expanduser(path))  # as the node takes it
     if not place.is_absolute():
         return KeyFile(path, absolute=False)
     try:
