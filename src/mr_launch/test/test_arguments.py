@@ -74,6 +74,7 @@ def test_robots_come_in_the_order_of_the_world():
         (1, ["a", "b", "a"], "my.world uses the robot name a more than once"),
         (None, [], "my.world holds no robot"),
         (None, ["a", "Robot 1"], "my.world has a robot named 'Robot 1'; a name has 1 to 64 letters"),
+        (None, ["mc_a"], "my.world has a robot named 'mc_a'; a name .* does not begin with mc_"),
         (None, ["../../escaped"], "robot named '../../escaped'"),
         (None, [".."], "robot named '..'"),
         (None, ["logs"], "robot named 'logs'"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import math
 import os
-import re
 import time
 from dataclasses import asdict, dataclass
 from typing import Any, Callable, Collection, Mapping, Sequence
@@ -17,7 +16,6 @@ from mr_page.address import PORT
 from mr_robot.platforms.alternatives import OWN
 
 STRATEGY = 7
-_NAME = re.compile(r"[A-Za-z0-9_.-]{1,64}")  # of a robot, as adhoc_communication takes it
 _FOLDERS = (".", "..", "logs", "robots")  # what is beside the robots' folders in --out
 _NOT_IN_PATHS = ",'\""
 LIMITS = {  # option: (lowest, highest, unit)
@@ -222,10 +220,12 @@ def check_folder(path: str) -> None:
 
 def _check_name(name: str, world: str) -> None:
     """It names nodes' logs and folders, and is what the radio calls the robot."""
-    if not _NAME.fullmatch(name) or name in _FOLDERS:
+    from mr_sim.simulated_platform import name_fault  # slow to import
+
+    fault = name_fault(name)
+    if fault or name in _FOLDERS:
         raise UserError(
-            f"{world} has a robot named {name!r:.80}; a name has 1 to 64 letters, digits, '_', '-' or '.', and is "
-            f"none of {', '.join(_FOLDERS)}"
+            f"{world} has a robot named {name!r:.80}; {fault or 'it cannot be one of ' + ', '.join(_FOLDERS)}"
         )
 
 

@@ -1,6 +1,7 @@
 """Descriptions of simulated robots, from the model of their world."""
 
 import math
+import re
 
 from mr_robot.platforms.platform import (
     Drive,
@@ -13,15 +14,29 @@ from mr_robot.platforms.platform import (
     looks_back,
     rounded_up,
 )
+from mr_robot.platforms.preset import checked
 from mr_sim.world_description import FEWEST_BEAMS, RangerDescription, RobotDescription
 
 # m/s^2, rad/s^2 with which any robot is driven: the simulated ones have no bounds, as in Stage.
 LINEAR_ACCELERATION, ANGULAR_ACCELERATION = 1.0, 3.14
 
+_NAME = re.compile(r"(?!mc_)[A-Za-z0-9_.-]{1,64}")  # as adhoc_communication takes it
+
+
+def name_fault(name: str) -> str:
+    """Why no robot of a team can be called that, empty if one can."""
+    if _NAME.fullmatch(name):
+        return ""
+    return "a name has 1 to 64 letters, digits, '_', '-' or '.', and does not begin with mc_ as those of groups do"
+
 
 def platform_of(robot: RobotDescription) -> Platform:
     """Lengths to 0.1 mm; angles rounded down to 0.01 rad, so that nobody counts on more than there is. Of several
-    rangers the main one counts. Raises PlatformError for a robot that cannot explore."""
+    rangers the main one counts. Raises PlatformError for a robot that cannot explore, in whatever host."""
+    if name_fault(robot.name):
+        raise PlatformError(f"{name_fault(robot.name)}: change it in the world file")
+    if not robot.footprint:
+        raise PlatformError("no body: give its model a size")
     if not robot.rangers:
         raise PlatformError("no laser: add a ranger to its position model")
     if robot.rangers[robot.main_ranger].samples < FEWEST_BEAMS:
@@ -34,13 +49,14 @@ def platform_of(robot: RobotDescription) -> Platform:
         way = "back, where alone it sees," if backs else "ahead"
         raise PlatformError(f"it cannot drive {way} and turn both ways: see velocity_bounds of its model")
     scan = Topics.scan if len(robot.rangers) == 1 else f"{Topics.scan}_{robot.main_ranger}"
-    return Platform(
+    platform = Platform(
         _footprint(robot),
         _sensor(robot.rangers[robot.main_ranger]),
         Drive(linear, _rounded_down(angular), LINEAR_ACCELERATION, ANGULAR_ACCELERATION),
         topics=Topics(scan),
         mount=_mount(robot),
     )
+    return checked(platform)
 
 
 def _mount(robot: RobotDescription) -> Mount:

@@ -18,6 +18,8 @@ Value = float | str | tuple[float | str, ...]
 
 MAX_INCLUDE_DEPTH = 32
 MAX_BLOCK_DEPTH = 64
+MAX_INCLUDES = 1000
+MAX_BLOCKS = 100_000  # definitions that use one another make any number of a few lines
 
 _TOKEN = re.compile(
     r"""(?P<space>[ \t\r\f\v]+) | (?P<comment>\#[^\n]*) | (?P<newline>\n)
@@ -147,6 +149,7 @@ class _Parser:
         self._in_use: list[str] = []
         self._open_files: list[Path] = []
         self._depth = 0  # of blocks
+        self._blocks = self._files = 0  # so far
 
     def parse_file(self, path: Path, into: Block, place: Place | None = None) -> None:
         where: Place | str = place if place is not None else str(path)
@@ -156,6 +159,11 @@ class _Parser:
             raise WorldFileError(where, f"include cycle: {cycle}")
         if len(self._open_files) >= MAX_INCLUDE_DEPTH:
             raise WorldFileError(where, f"includes are nested deeper than {MAX_INCLUDE_DEPTH} files")
+        self._files += 1
+        if self._files > MAX_INCLUDES:
+            raise WorldFileError(
+                where, f"more than {MAX_INCLUDES} files are included: is one included again and again?"
+            )
         try:
             text = _decoded(path.read_bytes())
         except FileNotFoundError:
@@ -224,6 +232,11 @@ class _Parser:
     def _block(self, tokens: Sequence[_Token], at: int, into: Block, path: Path) -> int:
         if self._depth >= MAX_BLOCK_DEPTH:
             raise WorldFileError(tokens[at].place, f"blocks are nested deeper than {MAX_BLOCK_DEPTH}")
+        self._blocks += 1
+        if self._blocks > MAX_BLOCKS:
+            raise WorldFileError(
+                tokens[at].place, f"there are more than {MAX_BLOCKS} blocks, with those of definitions"
+            )
         self._depth += 1
         block = self._open_block(tokens[at], into)
         end = self._statements(tokens, at + 2, block, path)

@@ -33,6 +33,7 @@ from mr_sim.world_words import (
 
 DRIVES = ("diff", "omni")
 FARTHEST = 1.0e6  # m from the origin that a world may reach
+LARGEST_ERROR = 100.0  # of odometry: as a share of the way, m or rad
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,8 @@ class _Builder:
         error = reader.numbers("odom_error", (0.03, 0.03, 0.0, 0.05), "ffff")
         if min(error) < 0.0:
             raise reader.fail("odom_error", "must not be negative")
+        if max(error) > LARGEST_ERROR:
+            raise reader.fail("odom_error", f"has shares of the way, at most {LARGEST_ERROR:g}, not {max(error):g}")
         rangers = self._rangers(block)
         if not rangers and _carries(block, "camera"):
             raise WorldFileError(
@@ -197,6 +200,7 @@ def load_world(path: str | Path) -> WorldDescription:
     quit_time = reader.number("quit_time", 0.0, minimum=0.0)
     resolution = reader.number("resolution", 0.02, above=0.0)
     _check_extent(file, builder.obstacles)
+    _check_robots(file, builder.robots)
     fitting = fitting_resolution(builder.obstacles, resolution)
     if fitting > resolution:
         place = file.root.properties["resolution"].place if reader.has("resolution") else file.root.place
@@ -230,6 +234,18 @@ def _check_extent(file: WorldFile, obstacles: Sequence[Obstacle]) -> None:
             str(file.path),
             f"a model reaches {farthest:g} m from the origin, more than {FARTHEST:g} m: correct its pose or size",
         )
+
+
+def _check_robots(file: WorldFile, robots: Sequence[RobotDescription]) -> None:
+    for index, robot in enumerate(robots):
+        size = max((math.hypot(*corner) for polygon in robot.footprint for corner in polygon), default=0.0)
+        farthest = size + max(abs(robot.start.x), abs(robot.start.y))
+        if not farthest <= FARTHEST:
+            raise WorldFileError(
+                str(file.path),
+                f'robot "{robot.name or f"robot_{index}"}" reaches {farthest:g} m from the origin, more than '
+                f"{FARTHEST:g} m: correct its pose or size",
+            )
 
 
 def _named(robots: Sequence[RobotDescription]) -> tuple[RobotDescription, ...]:

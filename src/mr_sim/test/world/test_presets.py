@@ -53,6 +53,24 @@ def test_presets_are_what_the_models_of_the_worlds_say(preset, world):
     assert modelled == {replace(described, frames=Frames(), topics=Topics(), mount=mount)}
 
 
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        ('name "my robot"', "a name has 1 to 64 letters.* change it in the world file"),
+        ('name "mc_robot"', "does not begin with mc_"),
+        ("size [ 1000 1 1 ]", "footprint/length must be a number from 0.05 to 3 m, not 1000.0"),
+        ("size [ 0 0 0 ]", "no body: give its model a size"),
+        ("velocity_bounds [ -50 50 0 0 0 0 -90 90 ]", "drive/max_linear_velocity must be a number from 0.05 to 5 m/s"),
+    ],
+)
+def test_a_simulated_robot_that_the_ros_stack_would_refuse_is_refused_in_every_host(tmp_path, model, message):
+    laser = "ranger ( sensor ( range [ 0 8 ] fov 270 samples 271 ) )"
+    (tmp_path / "one.world").write_text(f"position ( {model} {laser} )")
+    robot = load_world(tmp_path / "one.world").robots[0]
+    with pytest.raises(PlatformError, match=message):
+        platform_of(robot)
+
+
 def test_every_preset_of_the_package_loads():
     names = sorted(path.stem for folder in platform_folders() for path in folder.glob("*.yaml"))
     assert {"pioneer", "turtlebot", TEMPLATE} <= set(names)

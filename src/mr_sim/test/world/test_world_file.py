@@ -145,6 +145,20 @@ def test_include_cycle(write_world):
         parse_world_file(write_world('include "a.inc"', a_inc='include "b.inc"', b_inc='include "a.inc"'))
 
 
+def test_definitions_that_grow_without_end_are_refused(write_world):
+    """A few lines that mean a million million models: the reader went on until somebody ended it."""
+    names = [f"a{number}" for number in range(12)]
+    doubling = [f"define {one} model ( {f'{two} ( ) ' * 10})" for one, two in zip(names, names[1:], strict=False)]
+    with pytest.raises(WorldFileError, match=r"test\.world:\d+: there are more than 100000 blocks"):
+        parse_world_file(write_world("\n".join([*doubling, "define a11 model ( )", "a0 ( )"])))
+
+
+def test_files_that_include_one_another_without_end_are_refused(write_world):
+    files = {f"a{number}_inc": f'include "a{number + 1}.inc"\n' * 3 for number in range(10)}
+    with pytest.raises(WorldFileError, match="more than 1000 files are included"):
+        parse_world_file(write_world('include "a0.inc"', a10_inc="", **files))
+
+
 def test_missing_and_unreadable_world(tmp_path):
     with pytest.raises(WorldFileError, match="no such file"):
         parse_world_file(tmp_path / "none.world")

@@ -160,6 +160,7 @@ def test_boundary_makes_a_wall_around(load):
         ('position ( pose [ 1 2 3 "4" ] )', '"pose" needs 4 numbers'),
         ("position ( velocity_bounds [ 1 -1 0 0 0 0 -90 90 ] )", "minimum above its maximum"),
         ("position ( odom_error [ 0.03 -0.03 0 0 ] )", '"odom_error" must not be negative'),
+        ("position ( odom_error [ 1e308 0 0 0 ] )", '"odom_error" has shares of the way, at most 100, not 1e+308'),
         ("position ( update_interval 0 )", "must be from 0.01 to 1e+07 ms, not 0"),
         ("position ( update_interval 1e300 )", "must be from 0.01 to 1e+07 ms, not 1e+300"),
         ("interval_sim 1e-300", '"interval_sim" must be from 0.01'),
@@ -277,6 +278,12 @@ def test_a_model_that_is_too_far_away_is_told(load, text):
         WorldFileError, match=r"test\.world: a model reaches .* m from the origin, .*: correct its pose"
     ):
         load(f"model ( {text} )")
+
+
+@pytest.mark.parametrize("text", ["pose [ 1e300 0 0 0 ]", "size [ 3e6 1 1 ]"])
+def test_a_robot_that_is_too_far_away_is_told(load, text):
+    with pytest.raises(WorldFileError, match=r'test\.world: robot "robot_0" reaches .* m from the origin, .*: correct'):
+        load(f"position ( {text} )")
 
 
 @pytest.mark.parametrize("resolution", [1.0e-3, 1.0e-320])

@@ -120,6 +120,12 @@ def platform_from(given: Any) -> Platform:
     )
 
 
+def checked(platform: Platform) -> Platform:
+    """The same. Raises PlatformError for one that no preset file can describe, of which the ROS stack makes one."""
+    platform_from(yaml.safe_load(text_of(platform)))
+    return platform
+
+
 def text_of(platform: Platform) -> str:
     """The platform as a preset file."""
     sections = asdict(platform)
