@@ -13,6 +13,7 @@ from mr_grid.map_frame import MapRuns, NewFrame
 from mr_grid.ros import grid_message
 from mr_robot.navigation.engine import Navigator
 from mr_robot.navigation.node import MoveBaseNode
+from mr_robot.navigation.options import NavigationError
 from mr_robot.parameter_names import FRAMES
 
 RUN, NEXT_RUN = (1_700_000_000, 5), (1_700_000_900, 5)
@@ -89,3 +90,10 @@ def test_a_map_of_a_building_holds_where_only_localisation_was_started_anew(node
     node._on_map(hall(None, 90.0))
     node._on_new_frame(NewFrame(None, 101.0))
     assert "no map" not in text_of_a_step(node, 102.0)
+
+
+@pytest.mark.parametrize("period", [1.0e-12, 1.0e300])
+def test_a_period_in_which_nobody_is_controlled_is_refused(period: float) -> None:
+    """A timer without a pause took a whole core, and one of 1e300 s ended the node with a traceback."""
+    with pytest.raises(NavigationError, match=r"parameter controller_period must be from 0\.001 to 10 s, not "):
+        navigation_with(controller_period=period)

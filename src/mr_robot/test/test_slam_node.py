@@ -221,3 +221,11 @@ def test_a_message_that_comes_while_the_node_ends_is_no_traceback(
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: False)
     with pytest.raises(rospy.ROSException):
         guarded(Odometry())
+
+
+@pytest.mark.parametrize("value", [float("inf"), float("nan"), 1.0e300, -0.1, True, "0.2"])
+def test_what_is_no_time_of_ros_is_refused_with_a_sentence(monkeypatch: pytest.MonkeyPatch, value: object) -> None:
+    """`.inf` ended the node with a traceback."""
+    monkeypatch.setattr(rospy, "get_param", lambda name, default: value)
+    with pytest.raises(SlamError, match="parameter ~transform_tolerance must be a number from 0 to 1e\\+06, not "):
+        module.number_parameter("transform_tolerance", 0.2)

@@ -60,6 +60,10 @@ class NavigationOptions:
                 continue
             if not (np.isfinite(value) and value > 0):
                 raise NavigationError(f"parameter {field.name} must be a positive number, not {value!r}")
+        if not 0.001 <= self.controller_period <= 10.0:
+            raise NavigationError(
+                f"parameter controller_period must be from 0.001 to 10 s, not {self.controller_period:g}"
+            )
         least = max(self.footprint_length, self.footprint_width) / 2.0
         if 0 < self.footprint_radius < least:
             raise NavigationError(

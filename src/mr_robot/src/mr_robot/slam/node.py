@@ -29,13 +29,14 @@ TRANSFORM_PUBLISH_PERIOD = 0.1  # s
 MOUNT_PATIENCE = 5.0  # s in which the drivers may begin to tell where the laser is
 TRANSFORM_TOLERANCE = 0.2  # s by which map -> odom is dated ahead
 MOST_WAITING = 40  # scans, a second of a fast laser
+GREATEST = 1.0e6  # of a parameter, whatever its unit: more is a mistake, and no time of ROS
 CLOCKS_APART = 0.5  # s between a scan and the newest odometry, from which on they seem to have two clocks
 
 
 def number_parameter(name: str, default: float, least: float = 0.0) -> float:
     value = rospy.get_param("~" + name, default)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not value >= least:
-        raise SlamError(f"parameter ~{name} must be a number of at least {least:g}, not {value!r}")
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not least <= value <= GREATEST:
+        raise SlamError(f"parameter ~{name} must be a number from {least:g} to {GREATEST:g}, not {value!r}")
     return float(value)
 
 
