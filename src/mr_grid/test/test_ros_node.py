@@ -5,6 +5,7 @@ import logging
 import signal
 import subprocess
 import sys
+import threading
 from typing import List
 
 import pytest
@@ -12,7 +13,7 @@ import rospy
 from rosgraph.roslogging import RosStreamHandler
 
 from mr_grid import ros_node
-from mr_grid.ros_node import lose_what_cannot_be_written, until_shutdown
+from mr_grid.ros_node import begin_thread, lose_what_cannot_be_written, until_shutdown
 
 
 class FullDisk:
@@ -47,6 +48,23 @@ def test_what_can_be_written_is(capfd: pytest.CaptureFixture) -> None:
     lose_what_cannot_be_written(logger)
     logger.warning("a wheel is stuck")
     assert "a wheel is stuck" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("shuts_down", [False, True])
+def test_a_thread_that_ends_by_an_exception_ends_the_node(monkeypatch: pytest.MonkeyPatch, shuts_down: bool) -> None:
+    """A node whose thread had ended went on, and did the other half of its work."""
+    told: List[str] = []
+    monkeypatch.setattr(rospy, "logfatal", told.append)
+    monkeypatch.setattr(rospy, "signal_shutdown", told.append)
+    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: shuts_down)
+    before = set(threading.enumerate())
+    begin_thread("arithmetic", lambda: print(1 // 0))
+    for thread in set(threading.enumerate()) - before:
+        thread.join(10.0)
+    assert [text.partition(":")[0] for text in told] == (
+        [] if shuts_down else ["the thread for arithmetic has ended, and the node ends", "arithmetic"]
+    )
+    assert shuts_down or "ZeroDivisionError" in told[0]
 
 
 SENDING = """

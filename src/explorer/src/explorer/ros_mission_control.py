@@ -19,7 +19,7 @@ from explorer.msg import TeamOverview, TeamState
 from explorer.srv import OrderRobots, OrderRobotsResponse, SetLimits, SetLimitsResponse
 from explorer.team_state import ORDERS, SET_LIMITS
 from mr_grid.ros import CALL_FAILED, typed_fields
-from mr_grid.ros_node import init_node
+from mr_grid.ros_node import begin_thread, init_node
 
 TICK = 0.5  # s of wall time
 OVERVIEW_PERIOD = 1.0  # s
@@ -42,7 +42,7 @@ class MissionControlNode:
             rospy.Service(f"~{order}", Trigger, functools.partial(self._on_trigger, order))
         rospy.Service(f"~{SET_LIMITS}", SetLimits, self._on_limits)
         rospy.Service("~order", OrderRobots, self._on_order)
-        threading.Thread(target=self._send_all, daemon=True).start()
+        begin_thread("orders", self._send_all)
 
     def run(self) -> None:
         shown = float("-inf")

@@ -8,6 +8,7 @@ import rospy
 
 from explorer.call_queue import CallQueue
 from mr_grid.ros import CALL_FAILED, reason_of
+from mr_grid.ros_node import begin_thread
 
 
 class Worker:
@@ -19,7 +20,7 @@ class Worker:
         self._calls = calls
         self._ready = threading.Condition()
         for _ in range(threads):
-            threading.Thread(target=self._run, daemon=True).start()
+            begin_thread(f"calls of {name}", self._run)
 
     def do(self, call: Callable[[], None]) -> None:
         """Soon. What `CALL_FAILED` names may come of it, and is reported once in a while."""

@@ -62,7 +62,7 @@ from mr_grid import OccupancyGrid
 from mr_grid.imaging import use_threads
 from mr_grid.ros import NumpyOccupancyGrid
 from mr_grid.ros_map_frame import FrameListener
-from mr_grid.ros_node import init_node, until_shutdown, warn_of_unknown_parameters
+from mr_grid.ros_node import begin_thread, init_node, until_shutdown, warn_of_unknown_parameters
 from mr_grid.rounds import Rounds
 
 LOOP_S = 0.2
@@ -99,7 +99,7 @@ class MapMergerNode:
             rospy.Service("~catchUp", Empty, self._catch_up),
         ]
         self._sends.begin()
-        threading.Thread(target=self._register_all, daemon=True).start()
+        begin_thread("registration", self._register_all)
 
     def _make_agent(self) -> Agent:
         """Goes on with the run that the node left when it ended, if SLAM has gone on meanwhile."""

@@ -1,7 +1,6 @@
 """Calls of adhoc_communication's services, which block: none waits behind one of another purpose."""
 
 import queue
-import threading
 from functools import partial
 from typing import Any, Callable, Dict, Iterable, Tuple, Union
 
@@ -22,6 +21,7 @@ from adhoc_communication.srv import (
 from rospy.numpy_msg import numpy_msg
 
 from mr_grid.ros import CALL_FAILED, typed_fields
+from mr_grid.ros_node import begin_thread
 
 from . import ros_io, ros_radio
 from .delivery import Delivery
@@ -58,8 +58,8 @@ class Sends:
 
     def begin(self) -> None:
         """Starts the threads, which end with the node."""
-        for waiting in self._waiting.values():
-            threading.Thread(target=partial(self._work, waiting), daemon=True).start()
+        for purpose, waiting in self._waiting.items():
+            begin_thread(f"sends ({purpose.value})", partial(self._work, waiting))
 
     def put(self, send: Send) -> bool:
         """False if there is no room for it."""

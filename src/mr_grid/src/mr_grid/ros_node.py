@@ -6,8 +6,9 @@ import signal
 import sys
 import threading
 import time
+import traceback
 from types import FrameType
-from typing import Any, Iterable, Iterator, Optional
+from typing import Any, Callable, Iterable, Iterator, Optional
 
 import rosgraph
 import rospy
@@ -57,6 +58,22 @@ def until_shutdown() -> Iterator[None]:
     except rospy.ROSException:
         if not rospy.core.is_shutdown_requested():  # publishers are closed before is_shutdown() is true
             raise
+
+
+def begin_thread(what: str, work: Callable[[], None]) -> None:
+    """Of a node that is of no use without it; it ends with the node. An exception in it ends the node, which says so,
+    and which roslaunch starts anew: otherwise it would stand there and look as if it worked. `what`: it does."""
+    threading.Thread(target=_guarded, args=(what, work), name=what, daemon=True).start()
+
+
+def _guarded(what: str, work: Callable[[], None]) -> None:
+    try:
+        work()
+    except Exception as error:  # whatever it is, nobody else would hear of it
+        if rospy.core.is_shutdown_requested():
+            return
+        rospy.logfatal(f"the thread for {what} has ended, and the node ends: {traceback.format_exc()}")
+        rospy.signal_shutdown(f"{what}: {error!r}")
 
 
 def warn_of_unknown_parameters(known: Iterable[str]) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import socket
-import threading
 import time
 from collections import deque
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -15,7 +14,7 @@ import rospy
 import yaml  # type: ignore[import-untyped]
 
 from mr_grid import Pose
-from mr_grid.ros_node import init_node
+from mr_grid.ros_node import begin_thread, init_node
 from mr_page.address import ADDRESS, PORT
 from mr_page.commands import Answer, Order
 from mr_page.feeds import FeedLink
@@ -121,8 +120,7 @@ async def _serve(feed: RobotFeed, robot: str, sockets: list[socket.socket]) -> N
     server = PageServer(shown, robot, command)
     server.add_sockets(sockets)
     viewer = Viewer(feed.state)
-    gathering = threading.Thread(target=_gather, args=(feed,), daemon=True)
-    gathering.start()
+    begin_thread("what the page shows", lambda: _gather(feed))
     while not rospy.is_shutdown():
         with feed.lock:
             update = viewer.update(time.monotonic())
