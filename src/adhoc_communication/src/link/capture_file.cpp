@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -47,6 +48,7 @@ Bytes file_header() {
 CaptureFile::CaptureFile(std::string path, std::uint64_t most_octets)
     : path_(std::move(path)),
       most_in_file_(most_octets == 0 ? std::numeric_limits<std::uint64_t>::max() : most_octets / 2) {
+  keep_former();
   if (!begin_file() && errno != ENOSPC && errno != EDQUOT) {
     throw std::invalid_argument("parameter ~capture_file = " + path_ +
                                 " names no file that can be written: " + std::strerror(errno));
@@ -106,11 +108,20 @@ void CaptureFile::work() {
 void CaptureFile::write(const Batch& batch) {
   if (size_ + batch.octets.size() > most_in_file_) {
     file_.reset();
-    std::rename(path_.c_str(), (path_ + ".old").c_str());
+    keep_as_old();
   }
   const bool written = (file_.is_open() || begin_file()) && append(batch.octets);
   (written ? written_ : lost_) += batch.frames;
 }
+
+/// That of a node that has crashed and was started again tells why.
+void CaptureFile::keep_former() const {
+  std::error_code error;
+  if (std::filesystem::symlink_status(path_, error).type() != std::filesystem::file_type::regular) return;
+  if (std::filesystem::file_size(path_, error) <= most_in_file_) keep_as_old();
+}
+
+void CaptureFile::keep_as_old() const { std::rename(path_.c_str(), (path_ + ".old").c_str()); }
 
 bool CaptureFile::begin_file() {
   file_.reset();

@@ -14,12 +14,13 @@
 namespace adhoc_communication {
 
 /// A thread of its own writes, so that whoever adds frames never waits for a disk. What the disk does not take in time,
-/// or has no room for, is lost and counted. A file that is full is renamed to <path>.old, in place of the one before.
+/// or has no room for, is lost and counted. A file that is full, or was there before, is renamed to <path>.old, in
+/// place of the one before.
 class CaptureFile {
  public:
   static constexpr std::uint64_t kMostBuffered = 8'000'000;  ///< octets
 
-  /// At most `most_octets` in both files together; 0 means any number, in one file. Throws std::invalid_argument when
+  /// At most `most_octets` in both files together; 0 means any number in one. Throws std::invalid_argument when
   /// the file cannot be made.
   CaptureFile(std::string path, std::uint64_t most_octets);
   ~CaptureFile();
@@ -39,6 +40,8 @@ class CaptureFile {
   void run();
   void work();
   void write(const Batch& batch);
+  void keep_former() const;
+  void keep_as_old() const;
   bool begin_file();
   bool append(const Bytes& octets);
 

@@ -119,6 +119,16 @@ TEST_F(Files, CaptureIsBoundedAndKeepsTheLatest) {
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[all.size() - 1 - i].nanoseconds, 199 - i);
 }
 
+TEST_F(Files, CaptureOfTheRunBeforeIsKept) {
+  const fs::path path = folder / "a.pcap";
+  for (const std::uint8_t i : {1, 2}) CaptureFile(path, 20'000).add(frame(100, i), std::chrono::nanoseconds(i));
+  ASSERT_EQ(records(folder / "a.pcap.old").size(), 1u);
+  EXPECT_EQ(records(folder / "a.pcap.old")[0].nanoseconds, 1u);
+  CaptureFile(path, 200);  // there is no room for so large a one beside the new one
+  EXPECT_EQ(records(path).size(), 0u);
+  EXPECT_EQ(records(folder / "a.pcap.old")[0].nanoseconds, 1u);
+}
+
 TEST_F(Files, CaptureThatCannotBeMadeIsRefused) {
   EXPECT_THROW(CaptureFile("/no/such/folder/a.pcap", 0), std::invalid_argument);
 }
