@@ -54,7 +54,7 @@ def run(folder, isolation, end, outer):
         "PYTHONPATH": os.pathsep.join([str(HERE.parent / "src"), os.environ.get("PYTHONPATH", "")]),
     }
     command = [*outer, sys.executable, str(HERE / "leftovers.py"), str(folder), isolation, end]
-    result = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+    result = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)
     output = (folder / "output").read_text() if (folder / "output").exists() else ""
     assert result.returncode == 0, result.stderr + output
     return json.loads(result.stdout), output

@@ -80,7 +80,7 @@ def check_log_path(log_path: str) -> None:
     """Raises UserError if no node could write there. Makes nothing, as launch files are also read to be looked at."""
     home = os.environ.get("ROS_HOME", "~/.ros")  # where roslaunch starts nodes
     folder = Path(home).expanduser() / Path(log_path).expanduser()
-    there = next(place for place in (folder, *folder.parents) if place.exists())
+    there = next(place for place in (folder, *folder.parents) if os.path.exists(place))  # as far as may be seen
     if log_path and not (there.is_dir() and os.access(there, os.W_OK | os.X_OK)):
         raise UserError(f"log_path:={log_path}: {there} is no folder that can be written to")
 
