@@ -265,6 +265,19 @@ bool Neighbors::bypassed(const MacAddress& from, wire::NeighborTag self, Time no
   });
 }
 
+std::size_t Neighbors::ways_round(const MacAddress& address, const std::vector<MacAddress>& all, Time now) const {
+  const Neighbor& receiver = *find(address);
+  const auto ways = std::count_if(all.begin(), all.end(), [&](const MacAddress& other) {
+    const wire::NeighborTag tag = wire::neighbor_tag(find(other)->boot);
+    return other != address && loss(other) <= kBadLoss && delivery(receiver, tag, now) >= 1.0 - kBadLoss;
+  });
+  return static_cast<std::size_t>(ways);
+}
+
+bool Neighbors::depends(const MacAddress& address, const std::vector<MacAddress>& all, Time now) const {
+  return loss(address) <= kBadLoss || ways_round(address, all, now) == 0;
+}
+
 /// Silence that is more than a beacon which came late.
 Time Neighbors::doubt(const Neighbor& neighbor) {
   return std::max(kBeaconsInDoubt * neighbor.interval, kSilenceInDoubt);

@@ -79,7 +79,7 @@ void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& n
   const std::vector<MacAddress> all = neighbors.all_two_way(now);
   const auto is_needless = [&](const MacAddress& neighbor) {
     return ends_at(request, neighbor) || silent_with_it(neighbor, holders, neighbors, now) ||
-           ways_round(neighbor, all, neighbors, now) >= kEnoughWays;
+           neighbors.ways_round(neighbor, all, now) >= kEnoughWays;
   };
   needy.erase(std::remove_if(needy.begin(), needy.end(), is_needless), needy.end());
   const std::size_t copies = std::min(needy.size(), kMostConfirmations);
@@ -116,7 +116,7 @@ std::optional<MacAddress> RequestFlood::only_receiver(const wire::RouteRequest& 
   if (!hops_acknowledge_ || seen == seen_.end() || load_.heavy(now)) return std::nullopt;
   const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
   if (needy.size() != 1) return std::nullopt;
-  if (ways_round(needy.front(), neighbors.all_two_way(now), neighbors, now) >= kEnoughWays) return std::nullopt;
+  if (neighbors.ways_round(needy.front(), neighbors.all_two_way(now), now) >= kEnoughWays) return std::nullopt;
   const double loss = std::max(neighbors.beacon_loss(needy.front()), neighbors.loss(needy.front()));
   return loss > kTolerableMiss ? std::optional(needy.front()) : std::nullopt;
 }
@@ -129,27 +129,9 @@ std::vector<MacAddress> RequestFlood::in_need(const wire::RouteRequest& request,
   std::vector<MacAddress> needy;
   std::copy_if(all.begin(), all.end(), std::back_inserter(needy), [&](const MacAddress& neighbor) {
     return neighbor != request.originator && seen.holders.count(neighbor) == 0 &&
-           chance_to_miss(neighbor, holders, neighbors, now) > kTolerableMiss && depends(neighbor, all, neighbors, now);
+           chance_to_miss(neighbor, holders, neighbors, now) > kTolerableMiss && neighbors.depends(neighbor, all, now);
   });
   return needy;
-}
-
-/// A neighbour behind a bad link does not need this robot if a third one hears it well and is heard well by it.
-bool RequestFlood::depends(const MacAddress& neighbor, const std::vector<MacAddress>& all, const Neighbors& neighbors,
-                           Time now) {
-  return neighbors.loss(neighbor) <= Neighbors::kBadLoss || ways_round(neighbor, all, neighbors, now) == 0;
-}
-
-/// Third robots that hear this one and are heard by the neighbour, half of the time and more.
-std::size_t RequestFlood::ways_round(const MacAddress& neighbor, const std::vector<MacAddress>& all,
-                                     const Neighbors& neighbors, Time now) {
-  const Neighbor& receiver = *neighbors.find(neighbor);
-  const auto ways = std::count_if(all.begin(), all.end(), [&](const MacAddress& other) {
-    const wire::NeighborTag tag = wire::neighbor_tag(neighbors.find(other)->boot);
-    return other != neighbor && neighbors.loss(other) <= Neighbors::kBadLoss &&
-           neighbors.delivery(receiver, tag, now) >= 1.0 - Neighbors::kBadLoss;
-  });
-  return static_cast<std::size_t>(ways);
 }
 
 RequestFlood::Holders RequestFlood::holders_of(const Seen& seen, const Neighbors& neighbors) {

@@ -98,10 +98,6 @@ class RequestFlood {
   static Holders holders_of(const Seen& seen, const Neighbors& neighbors);
   static std::vector<MacAddress> in_need(const wire::RouteRequest& request, const Seen& seen,
                                          const Neighbors& neighbors, Time now);
-  static bool depends(const MacAddress& neighbor, const std::vector<MacAddress>& all, const Neighbors& neighbors,
-                      Time now);
-  static std::size_t ways_round(const MacAddress& neighbor, const std::vector<MacAddress>& all,
-                                const Neighbors& neighbors, Time now);
   static double chance_to_miss(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors,
                                Time now);
 

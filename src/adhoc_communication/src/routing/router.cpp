@@ -51,11 +51,15 @@ MacAddress Router::address_of(const Target& target) const {
   return target.address != MacAddress{} ? target.address : directory_.address_of(target.name).value_or(MacAddress{});
 }
 
-/// The next hop of a request that is not flooded.
+/// The next hop of a request that is not flooded. A neighbour over whose lossy link goes no route is asked itself, as
+/// long as no third robot is seen to be a way there.
 std::optional<MacAddress> Router::way_told(const MacAddress& destination, Time now) const {
   if (const Route* route = routes_.usable(destination, now)) return route->next_hop;
   const auto teller = directory_.teller_of(destination);
-  return teller && neighbors_.two_way(*teller, now) ? teller : std::nullopt;
+  if (teller && neighbors_.two_way(*teller, now)) return teller;
+  const bool itself =
+      neighbors_.two_way(destination, now) && neighbors_.depends(destination, neighbors_.all_two_way(now), now);
+  return itself ? std::optional(destination) : std::nullopt;
 }
 
 bool Router::search_nearby(const MacAddress& destination, Time now) {

@@ -250,9 +250,14 @@ bool Hops::needs_turn(const Hop& hop, const HopSender::Outgoing& outgoing) {
   return hop.sender.reliable() && (outgoing.beyond > 0 ? hop.held_answers.usual() : outgoing.passed_on);
 }
 
-bool Hops::ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
+/// Whether the neighbour holds its answers shows only when no other frame overtakes the one that asks.
+bool Hops::tries_turn(const Hop& hop, const HopSender::Outgoing& outgoing) {
+  return hop.pair == 1 && outgoing.type == FrameType::kData && !is_urgent(outgoing.priority) && outgoing.beyond > 0 &&
+         TurnTaking::comes_back(outgoing.route) && hop.sender.reliable();
+}
+
+bool Hops::ends_turn(const MacAddress& neighbor, const HopSender::Outgoing& outgoing, std::uint64_t counter, bool more,
                      Time now) {
-  const bool more = hop.sender.may_start() && (outgoing.more || hop.sender.has_more());
   return turns_.sent(
       neighbor,
       {counter, more, outgoing.beyond, air_.undisturbed_frame_time(neighbor), TurnTaking::comes_back(outgoing.route)},
@@ -267,8 +272,11 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   hop.sender.expect(delays(neighbor));
   hop.sender.be_sparing(neighbors_.radio_may_repeat());
   hop.sender.expect_jitter(air_.jittered(neighbor));
-  const bool at_once = shared && needs_turn(hop, outgoing) ? ends_turn(neighbor, hop, outgoing, counter, now)
-                                                           : wants_answer(neighbor, hop, outgoing.type, now);
+  const bool in_turn = shared && needs_turn(hop, outgoing);
+  const bool more = hop.sender.may_start() && (outgoing.more || hop.sender.has_more());
+  const bool at_once =
+      in_turn ? ends_turn(neighbor, outgoing, counter, more, now) : wants_answer(neighbor, hop, outgoing.type, now);
+  if (shared && !in_turn && tries_turn(hop, outgoing)) ends_turn(neighbor, outgoing, counter, false, now);
   if (at_once) hop.sender.ask(counter, now);
   const auto flags = static_cast<std::uint8_t>(wire::kWantsAcknowledgment | (at_once ? wire::kAcknowledgeNow : 0));
   if (outgoing.type == FrameType::kData) count(statistics_.unicast_data, outgoing.passed_on, outgoing.again);

@@ -92,7 +92,8 @@ class Hops : public Outbox {
   void follow(const HopFrame& frame, const HopSender& next);
   void send_urgent(const MacAddress& neighbor, Hop& hop, Time now);
   static bool needs_turn(const Hop& hop, const HopSender::Outgoing& outgoing);
-  bool ends_turn(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,
+  static bool tries_turn(const Hop& hop, const HopSender::Outgoing& outgoing);
+  bool ends_turn(const MacAddress& neighbor, const HopSender::Outgoing& outgoing, std::uint64_t counter, bool more,
                  Time now);
   void start(const MacAddress& neighbor, Hop& hop, HopFrame frame, Time now);
   void put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Outgoing& outgoing, std::uint64_t counter,

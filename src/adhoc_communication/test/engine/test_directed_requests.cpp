@@ -149,6 +149,41 @@ TEST(DirectedRequests, OneThatCannotGoOnIsPassedToNobody) {
   EXPECT_TRUE(stage.route(make_host(101))) << "the way back is known all the same";
 }
 
+/// What the node sends on of a directed request for a neighbour that gets a tenth of its frames; `way_round`: and gets
+/// those of a third robot, which hears the node.
+std::vector<Sent<wire::RouteRequest>> passed_to_lossy_neighbor(bool way_round) {
+  Stage stage;
+  Host& from = stage.neighbor(1);
+  Host& lossy = stage.neighbor(2, false);
+  lossy.beacons = false;
+  const Host& third = stage.neighbor(3);
+  wire::Beacon beacon;
+  beacon.name = lossy.name;
+  beacon.heard = {{wire::neighbor_tag(stage.self().boot()), 230}};
+  if (way_round) beacon.heard.push_back({wire::neighbor_tag(third.boot()), 0});
+  beacon.heard_count = static_cast<std::uint16_t>(beacon.heard.size());
+  for (beacon.alive = beacon.number = 1; beacon.number <= 10; ++beacon.alive, ++beacon.number) {
+    stage.say(lossy, beacon);
+    stage.run_for(Stage::kInterval);
+  }
+  EXPECT_FALSE(stage.route(lossy)) << "requests decide";
+  stage.forget();
+  wire::RouteRequest request = request_for(lossy, make_host(101));
+  request.directed = request.destination_only = true;
+  request.hop_limit = 5;
+  stage.say(from, request, stage.self().address);
+  stage.run_for(50ms);
+  return stage.sent<wire::RouteRequest>();
+}
+
+/// Searches died for ten seconds before a robot that its neighbour heard all the time, over a link without a route.
+TEST(DirectedRequests, ANeighborBehindALossyLinkIsAskedItself) {
+  const auto passed = passed_to_lossy_neighbor(false);
+  ASSERT_FALSE(passed.empty());
+  EXPECT_EQ(passed[0].to, make_host(2).address);
+  EXPECT_TRUE(passed_to_lossy_neighbor(true).empty()) << "the flood finds the way over the third robot";
+}
+
 TEST(DirectedRequests, OneThatComesFromWhereItWouldGoIsPassedToNobody) {
   Stage stage;
   Host& neighbor = stage.neighbor(1);
