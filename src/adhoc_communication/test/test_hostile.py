@@ -265,7 +265,7 @@ class Open(Pair):
         self.assertLess(self.bob.most_resident(), MOST_RESIDENT)
 
     def test_latched_bombs_take_little_memory(self):
-        station = Station("latching bomber")
+        station = Station("latching_bomber")
         for number in range(60):  # of many robots, each on a topic of its own
             if number % 4 == 0:
                 stranger = Stranger(station)
