@@ -38,7 +38,11 @@ class Arrivals {
   void asked(Time now) { asked_ = now; }
   /// By another run of the receiver.
   void forget() { newest_ = newest_doubtful_ = Time(-1); }
-  Time timeout() const { return round_trip_.timeout(); }
+  /// What the way takes at least, there and back, as far as it is known: answers that cannot be here are not overdue.
+  void expect(Time way) { way_ = way; }
+  Time timeout() const {
+    return round_trip_.known() ? round_trip_.timeout() : std::max(round_trip_.timeout(), 2 * way_);
+  }
 
  private:
   /// Soon after the repetition it is the first copy that has arrived, late but not lost: taken for the second, it would
@@ -60,6 +64,7 @@ class Arrivals {
   Time asked_{-1};            ///< when the timer ran out last
   Time reordering_ = kReordering;
   Time widened_{-1};  ///< when reordering_ grew
+  Time way_{0};       ///< until the round trip is known
   RoundTrip round_trip_{std::chrono::milliseconds(300), std::chrono::milliseconds(150), std::chrono::seconds(1)};
 };
 

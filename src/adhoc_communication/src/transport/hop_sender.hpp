@@ -136,6 +136,8 @@ class HopSender {
   /// Frames are as good as never lost. Answers may be: timers do not count.
   bool reliable() const { return reliability_.reliable(); }
   std::uint64_t given_up() const { return given_up_; }
+  /// Of a frame and its acknowledgment; 0 before the first.
+  Time least_round_trip() const { return round_trip_.least(); }
 
  private:
   struct InFlight {

@@ -64,6 +64,8 @@ class StreamSender {
   void route_changed(Time now);
   /// While there is no route nothing is expected and no timer runs.
   void route_missing(Time now) { silence_.begins(now); }
+  /// The way there and back takes so long at least.
+  void expect(Time way) { arrivals_.expect(way); }
 
   /// Sends the probe that is due. Returns the packets given up: after `most_resends` of them without progress, or for
   /// want of room.

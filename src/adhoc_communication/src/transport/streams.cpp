@@ -144,6 +144,9 @@ Time Streams::serve(Stream& stream, std::vector<Undelivered>& undelivered, Time 
     stream.next_hop = route->next_hop;
     stream.sender.route_changed(now);
   }
+  if (const HopSender* first = hops_.sender_to(route->next_hop)) {
+    stream.sender.expect((stream.beyond + 1) * first->least_round_trip());
+  }
   for (const auto& [id, elapsed, no_room] : stream.sender.expire(options_.num_e2e_retrans, now, random_)) {
     const char* reason = no_room ? " had no room for it for " : " did not acknowledge within ";
     undelivered.push_back({id, destination + reason + seconds_text(elapsed)});

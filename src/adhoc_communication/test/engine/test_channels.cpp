@@ -221,10 +221,10 @@ TEST(Channels, WhoIsGoneIsGivenUpWhenItCountsAsLost) {
 }
 
 /// 1 MB over links whose frames are delayed; frames repeated for 100 sent.
-std::pair<double, double> delayed_transfer(Time delay, std::size_t hops) {
+std::pair<double, double> delayed_transfer(Time delay, std::size_t hops, std::uint64_t seed = 1) {
   MediumOptions medium;
   medium.delay.fixed = delay;
-  Team team(medium, 1);
+  Team team(medium, seed);
   team.add_line(hops + 1);
   team.run_for(4s);
   const Time begin = team.now();
@@ -247,6 +247,11 @@ TEST(Channels, DelayIsNotTakenForACrowd) {
 /// The longest timers ran out before any answer could be there, and everything was sent twice.
 TEST(Channels, TimersAreLongerThanTheWay) {
   for (const std::size_t hops : {1, 3}) EXPECT_LT(delayed_transfer(300ms, hops).second, 5.0) << hops;
+}
+
+/// Before an answer could be there, the packet was cut into segments of 512 or 256 octets, in one of five teams: 58 s.
+TEST(Channels, ALongWayIsNotTakenForOneOfShortFrames) {
+  for (const std::uint64_t seed : {407, 408, 709, 716}) EXPECT_LT(delayed_transfer(300ms, 3, seed).first, 15.0) << seed;
 }
 
 /// The link was given up before the first answer could be there, and the answer told nothing any more.
