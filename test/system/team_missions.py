@@ -64,12 +64,14 @@ def order(out: Path) -> str:
 
 
 def disturb(out: Path) -> tuple:
-    """The doctor's visit to robot_0, while robot_1 loses its map_merger; then the other nodes are killed. In this
-    order, because maps need their time to be merged again before this short mission ends."""
+    """The doctor's visit to robot_0, while robot_1 loses its map_merger; then the other nodes are killed. Until then
+    robot_1 is paused, so that the mission lasts, however long the visit takes on a busy computer."""
+    enter(out, "robot_1", "rosservice", "call", "/explorer/pause")
     kill(out, "robot_1", "map_merger")
     visit = enter(out, "robot_0", "rosrun", "mr_launch", "doctor", "--peers", "robot_1", "--seconds", "2")
     kill(out, "robot_0", "explorer")
     kill(out, "robot_0", "adhoc_communication")
+    enter(out, "robot_1", "rosservice", "call", "/explorer/resume")
     return visit.returncode, visit.stdout + visit.stderr
 
 
