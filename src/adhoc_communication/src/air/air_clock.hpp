@@ -75,6 +75,11 @@ class AirClock {
   bool alone(Time now) const { return !shared_.perhaps_shared(now); }
   /// False until the rhythm of the radio is known for frames that go there.
   bool calibrated(const MacAddress& destination) const;
+  /// Nothing has told yet what else than the air the way of a frame takes, and the answer to one that goes there now
+  /// would, if it is not put off.
+  bool asks_for_delay(const MacAddress& destination, Time now) const {
+    return delay_ == Time::max() && busy_until_ <= now && calibrated(destination);
+  }
   /// Of so many frames that go there, two measure the air.
   int pair_interval(const MacAddress& destination) const {
     if (!calibrated(destination)) return 2;

@@ -108,9 +108,11 @@ std::vector<RouteDiscovery::Step> RouteDiscovery::poll(const std::function<std::
       ++iterator;
     } else if (!advance(search, now)) {
       const bool patient = !search.repair && !search.newer_than && now - search.started < kPatience;
-      search.told_hops = patient ? told_hops(search.target) : std::uint8_t{0};
-      if (search.told_hops > 0) continue;
-      search.prolonged = patient && !search.for_others && present(search.target);
+      const bool may_flood = patient && !search.for_others && present(search.target);
+      search.told_hops = patient && !(may_flood && search.was_directed) ? told_hops(search.target) : std::uint8_t{0};
+      search.was_directed = search.told_hops > 0;
+      if (search.was_directed) continue;
+      search.prolonged = may_flood;
       if (search.prolonged) {
         --search.tries;
         continue;

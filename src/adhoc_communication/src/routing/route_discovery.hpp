@@ -80,8 +80,8 @@ class RouteDiscovery {
 
   /// The requests due now; failures are kept for take_failures(). `told_hops`: as for search(), for a target that was
   /// not found: while there is a way that is told of, the target lives, and is asked for along it up to kPatience.
-  /// While there is none and the target still counts as `present`, the last request is repeated for own packets: it may
-  /// be a fade that hides the target.
+  /// While the target still counts as `present`, the last request is repeated for own packets, in turn with those: it
+  /// may be a fade that hides the target, or the way that is told of may end at a link too bad to carry life signs.
   std::vector<Step> poll(
       const std::function<std::uint8_t(const Target&)>& told_hops, Time now,
       const std::function<bool(const Target&)>& present = [](const Target&) { return false; });
@@ -110,6 +110,7 @@ class RouteDiscovery {
     bool for_others = false;
     bool prolonged = false;                        ///< all tries are used up, and the target is present
     std::uint8_t told_hops = 0;                    ///< of the way to be tried first
+    bool was_directed = false;                     ///< the latest request, after the tries
     std::optional<std::uint32_t> newer_than = {};  ///< an exchange, of a route with that number
     int requests = 0;
     int replies = 0;

@@ -239,7 +239,8 @@ bool Hops::wants_answer(const MacAddress& neighbor, Hop& hop, FrameType type, Ti
   const bool calibrated = air_.calibrated(neighbor);
   hop.pair = (hop.pair + 1) % air_.pair_interval(neighbor);
   const bool single = type != FrameType::kData && type != FrameType::kTransportAcknowledgment;
-  return !calibrated || hop.sender.pressing() || hop.pair == 1 || (single && air_.alone(now));
+  return !calibrated || hop.sender.pressing() || hop.pair == 1 || (single && air_.alone(now)) ||
+         air_.asks_for_delay(neighbor, now);
 }
 
 /// Turns that come back are taken where frames are as good as never lost: towards who is seen to hold its answers; a

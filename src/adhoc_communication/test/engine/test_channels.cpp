@@ -254,6 +254,21 @@ TEST(Channels, ALongWayIsNotTakenForOneOfShortFrames) {
   for (const std::uint64_t seed : {407, 408, 709, 716}) EXPECT_LT(delayed_transfer(300ms, 3, seed).first, 15.0) << seed;
 }
 
+/// Nothing had told how long the way is beside the air, so that the radio was believed to hold what was on the way, and
+/// waited for: 1.3 to 2 s, by what became a measurement.
+TEST(Channels, WhatIsOnALongWayIsNotBelievedToBeInTheRadio) {
+  for (const std::uint64_t seed : {1, 703, 715, 720}) {
+    MediumOptions medium;
+    medium.delay.fixed = 5ms;
+    Team team(medium, seed);
+    team.add_line(4);
+    team.run_for(4s);
+    SendId last = 0;
+    for (int packet = 0; packet < 5; ++packet) last = team.send(0, "robot_3", noise(1'000'000), Priority::kBulk);
+    EXPECT_TRUE(team.run_until_done([&] { return team.finished(0, last) != nullptr; }, 1250ms)) << seed;
+  }
+}
+
 /// The link was given up before the first answer could be there, and the answer told nothing any more.
 TEST(HopSender, AnAnswerThatComesAfterTheLinkWasGivenUpTellsHowLongAnswersTake) {
   transport::HopSender sender(1, 10);

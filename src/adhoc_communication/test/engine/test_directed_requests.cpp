@@ -80,6 +80,23 @@ TEST(DirectedRequests, ASearchForARobotThatLivesGoesOn) {
   }
 }
 
+/// The way that life signs come may end at a link that carries none, where directed requests ended for ten seconds.
+TEST(DirectedRequests, ASearchForARobotThatIsPresentFloodsInBetween) {
+  Random random(1);
+  routing::RouteDiscovery discovery({}, random);
+  discovery.search({Team::address(7), {}}, 0, 0, 0s);
+  std::string steps;
+  for (Time now = 0s; discovery.searches() > 0 && now < 60s; now += 10ms) {
+    const auto told = [](const routing::Target&) { return std::uint8_t{3}; };
+    const auto present = [](const routing::Target&) { return true; };
+    for (const auto& step : discovery.poll(told, now, present)) steps += step.directed ? 'd' : 'f';
+  }
+  EXPECT_EQ(steps.find("ffffd"), 0u) << steps;
+  EXPECT_GE(steps.size(), 16u) << steps;
+  EXPECT_EQ(steps.find("dd"), std::string::npos) << steps;
+  EXPECT_EQ(steps.find("ff", 4), std::string::npos) << steps;
+}
+
 /// Packets of sources that nobody knows took all of the room for searches, and all requests.
 TEST(RouteDiscovery, WhatOthersCauseLeavesRoomAndRequests) {
   const EngineOptions options;
