@@ -66,6 +66,7 @@ void AirClock::sample_delay(const Transmission& last, Time answered, std::size_t
   const AirRate& known = rate(last.destination);
   const Time on_air = known.air_time(last.octets) + known.air_time(octets);
   const bool slowest = known.air_time(last.octets) >= AirRate::slowest_air_time(last.octets) * 9 / 10;
+  delays_ = std::min(delays_ + 1, kEnoughDelays);
   delay_ = slowest ? Time(0) : std::min(delay_, std::max(Time(0), answered - last.sent - on_air));
 }
 
@@ -145,6 +146,7 @@ void AirClock::sample(std::uint64_t counter, Time spacing, Time now) {
   kind.sample(transmission->octets, spacing, now);
   if (transmission->destination != wire::kEverybody) {
     shared_.measured(kind.waits_for_others(), transmission->kept, now);
+    if (kind.jittered()) shared_.disproved();
   }
   common_.sample(transmission->octets, spacing, now);
   last_rate_ = &rate(last_destination_);

@@ -24,8 +24,9 @@ class AirClock {
   static constexpr std::size_t kMostRemembered = 256;
   static constexpr int kPairInterval = 64;         ///< of so many frames to one destination, two measure the air
   static constexpr int kPairIntervalInJitter = 8;  ///< the same where most of what they measure tells nothing
-  static constexpr int kDeviations = 8;            ///< of the time that a frame takes, that the radio may be ahead
-  static constexpr int kMostAhead = 3;             ///< frames of largest size, of those
+  static constexpr int kEnoughDelays = 8;
+  static constexpr int kDeviations = 8;  ///< of the time that a frame takes, that the radio may be ahead
+  static constexpr int kMostAhead = 3;   ///< frames of largest size, of those
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
@@ -78,7 +79,7 @@ class AirClock {
   /// Nothing has told yet what else than the air the way of a frame takes, and the answer to one that goes there now
   /// would, if it is not put off.
   bool asks_for_delay(const MacAddress& destination, Time now) const {
-    return delay_ == Time::max() && busy_until_ <= now && calibrated(destination);
+    return delays_ < kEnoughDelays && busy_until_ <= now && calibrated(destination);
   }
   /// Of so many frames that go there, two measure the air.
   int pair_interval(const MacAddress& destination) const {
@@ -124,6 +125,7 @@ class AirClock {
   /// The shortest time between frame and answer that neither of them was on the air for: something between the radios
   /// and the robots takes it.
   Time delay_ = Time::max();
+  int delays_ = 0;  ///< that were measured, no more than are enough
   Transmissions recent_;
   std::uint64_t handed_over_ = 0;  ///< the last frame of which it is known whether it was kept
   std::uint64_t off_air_ = 0;      ///< the last frame known to be so

@@ -24,6 +24,8 @@ class SharedAir {
     memory_ = memory_ == Time(0) ? kShortestMemory : std::min(4 * memory_, kLongestMemory);
     until_ = now + memory_;
   }
+  /// What made frames seem to wait turned out to be something else.
+  void disproved() { *this = {}; }
   bool shared(Time now) const { return now < until_; }
   /// Remembered, or only just forgotten: it may well turn out to be so again.
   bool perhaps_shared(Time now) const { return now < until_ + memory_; }

@@ -269,6 +269,21 @@ TEST(Channels, WhatIsOnALongWayIsNotBelievedToBeInTheRadio) {
   }
 }
 
+/// Until it was known for what it is, frames seemed to wait for those of others, and for ten seconds turns were taken:
+/// 14.7 s.
+TEST(Channels, JitterIsNoSharedChannel) {
+  MediumOptions medium;
+  medium.delay.jitter = 50ms;
+  Team team(medium, 401);
+  team.add_line(4);
+  team.run_for(4s);
+  SendId last = 0;
+  for (std::uint64_t packet = 0; packet < 5; ++packet) {
+    last = team.send(0, "robot_3", noise(1'000'000, 5 * 401 + packet), Priority::kBulk);
+  }
+  EXPECT_TRUE(team.run_until_done([&] { return team.finished(0, last) != nullptr; }, 10s));
+}
+
 /// The link was given up before the first answer could be there, and the answer told nothing any more.
 TEST(HopSender, AnAnswerThatComesAfterTheLinkWasGivenUpTellsHowLongAnswersTake) {
   transport::HopSender sender(1, 10);

@@ -182,6 +182,14 @@ TEST(SharedAir, IsRememberedLongerEachTime) {
 
 /// On a busy computer frames come late, and a device may once in a while be late to say that it has sent them.
 /// Haste on a channel that turns out to be shared again would cost those who wait for it.
+TEST(SharedAir, IsForgottenOnceDisproved) {
+  air::SharedAir air;
+  for (int frame = 0; frame < air::SharedAir::kKept; ++frame) air.measured(true, true, 1s);
+  ASSERT_TRUE(air.shared(2s));
+  air.disproved();
+  EXPECT_FALSE(air.perhaps_shared(2s));
+}
+
 TEST(SharedAir, IsDoubtfulForAsLongAgain) {
   air::SharedAir air;
   EXPECT_FALSE(air.perhaps_shared(0s));
