@@ -11,6 +11,7 @@
 #include <utility>
 
 namespace adhoc_communication {
+
 CsvFile::CsvFile(const std::string& log_path, const std::string& robot, const std::string& name, std::string header,
                  std::int64_t most_octets)
     : header_(std::move(header)), most_octets_(most_octets) {

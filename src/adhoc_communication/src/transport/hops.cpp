@@ -274,9 +274,9 @@ void Hops::put_on_air(const MacAddress& neighbor, Hop& hop, const HopSender::Out
   hop.sender.be_sparing(neighbors_.radio_may_repeat());
   hop.sender.expect_jitter(air_.jittered(neighbor));
   const bool in_turn = shared && needs_turn(hop, outgoing);
-  const bool more = hop.sender.may_start() && (outgoing.more || hop.sender.has_more());
+  const auto more = [&] { return hop.sender.may_start() && (outgoing.more || hop.sender.has_more()); };
   const bool at_once =
-      in_turn ? ends_turn(neighbor, outgoing, counter, more, now) : wants_answer(neighbor, hop, outgoing.type, now);
+      in_turn ? ends_turn(neighbor, outgoing, counter, more(), now) : wants_answer(neighbor, hop, outgoing.type, now);
   if (shared && !in_turn && tries_turn(hop, outgoing)) ends_turn(neighbor, outgoing, counter, false, now);
   if (at_once) hop.sender.ask(counter, now);
   const auto flags = static_cast<std::uint8_t>(wire::kWantsAcknowledgment | (at_once ? wire::kAcknowledgeNow : 0));
