@@ -87,8 +87,8 @@ class Neighbors {
   bool all_hear(const MacAddress& robot, wire::BootTag boot, Time now) const;
   /// What `from` sends may reach one of the other neighbours over a robot other than `self`, or at once.
   bool bypassed(const MacAddress& from, wire::NeighborTag self, Time now) const;
-  /// Third robots, of `all` whose links work both ways, that hear this one and are heard by that neighbour, which has to
-  /// be known, half of the time and more.
+  /// Third robots, of `all` whose links work both ways, that hear this one and are heard by that neighbour, half of the
+  /// time and more. It has to be known.
   std::size_t ways_round(const MacAddress& address, const std::vector<MacAddress>& all, Time now) const;
   /// What is for that neighbour has to come from this robot: over a good link, or no third robot can bring it.
   bool depends(const MacAddress& address, const std::vector<MacAddress>& all, Time now) const;
