@@ -650,6 +650,18 @@ def test_what_wheels_slipped_is_no_way_between_keyframes() -> None:
     assert math.dist(estimate[:2], pose[:2]) < 0.06
 
 
+@pytest.mark.parametrize("counted", [0.8, 0.9, 1.1, 1.2])
+def test_a_robot_that_turns_when_slam_begins_keeps_the_heading_of_its_map(counted: float) -> None:
+    """Walls that were seen once had no say: what odometry lost from the first scan to the second turned all of the map
+    by that."""
+    room = [(-3.0, -2.0, 4.0, -2.0), (4.0, -2.0, 4.0, 3.0), (4.0, 3.0, -3.0, 3.0), (-3.0, 3.0, -3.0, -2.0)]
+    slam = slam_with()
+    for step in range(20):
+        pose = Pose(0.02 * step, 0.0, 0.1 * step)
+        found = slam.process(seen(room, pose), Pose(0.02 * step, 0.0, counted * 0.1 * step), 0.1 * step).pose
+    assert abs(found.between(pose).yaw) < 0.002
+
+
 def far_end(slam: Slam, length: float) -> float:
     """m at which the map has the far end of the blind alley."""
     walls = slam.map().info.centres_of(np.argwhere(slam.map().cells == 100))

@@ -25,6 +25,8 @@ class Memory {
   // std::length_error where that would be larger than any map.
   void recall(std::vector<JournalEntry> entries, GridMap* map, const OdometryModel& model);
   bool empty() const { return keyframes_.empty(); }
+  // Whether all walls were seen once.
+  bool young() const { return scans_ == 1; }
 
   // By what the surfaces of the scan that is added next are to be known.
   int origin(const Pose& pose) const;
