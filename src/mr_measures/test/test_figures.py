@@ -57,6 +57,16 @@ def test_misplaced_map_has_wrong_walls():
     assert share == pytest.approx((58 + 58) / 276, abs=0.02), "left and right wall are off, upper and lower slide along"
 
 
+@pytest.mark.parametrize("width", [80, 200, 1216, 1536])
+def test_walls_drawn_just_the_tolerance_off_are_right_on_maps_of_any_size(width):
+    """Rounding had the same cells right or wrong by where the map began: 1.3 % or 2.9 % of a large one."""
+    start = Pose(0.375, 0.675, 0.0)
+    cells = np.full((60, width), -1, dtype=np.int8)
+    cells[20:50, [width - 76, width - 4]] = 100  # 0.2 m and 3.8 m of a room from 0.05 m to 3.95 m
+    drawn = OccupancyGrid.of(cells, RESOLUTION, Pose((72 - width) * RESOLUTION, -1.0, 0.0))
+    assert m.wrong_walls(truth_of(room()), drawn, start) == 0.0
+
+
 def test_occupied_cells_far_outside_the_world_are_wrong():
     occupancy = OccupancyGrid.of(np.full((1, 1), 100, dtype=np.int8), 0.05, Pose(50.0, 50.0, 0.0))
     assert m.wrong_walls(truth_of(room()), occupancy, Pose(0, 0, 0)) == 1.0

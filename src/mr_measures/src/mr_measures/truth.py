@@ -3,6 +3,7 @@
 All positions in metres, angles in radians.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple, Optional
@@ -51,8 +52,9 @@ class Truth:
         cells = np.pad((walls.cells > 0).astype(np.uint8), pad)
         self._resolution = walls.resolution
         self._origin = np.asarray(walls.origin[:2]) - pad * walls.resolution
+        distance, self._nearest = ndimage.distance_transform_edt(cells == 0, return_indices=True)
         # From the centre of a cell to the face of the nearest wall.
-        self._distance = ndimage.distance_transform_edt(cells == 0) * walls.resolution - walls.resolution / 2.0
+        self._distance = distance * walls.resolution - walls.resolution / 2.0
         if known is None:
             self.viewpoints = self._viewpoints(cells, starts, footprint)
             known = KnowableArea(self.viewpoints, self._reference_cells(walls, range_max, cast))
@@ -68,10 +70,16 @@ class Truth:
 
     def wall_distance(self, points: np.ndarray) -> np.ndarray:
         """Distance (N,) from points (N, 2) to the nearest true wall, 0 inside it, infinite far outside the world."""
-        index = np.floor((points - self._origin) / self._resolution).astype(np.int64)
-        inside = ((index >= 0) & (index < self._distance.shape[::-1])).all(axis=1)
+        places = (points - self._origin) / self._resolution  # in cells
+        index, shape = np.floor(places).astype(np.int64), np.array(self._distance.shape[::-1])
         distance = np.full(len(points), np.inf)
-        distance[inside] = np.maximum(self._distance[index[inside, 1], index[inside, 0]], 0.0)
+        inside = ((index >= 0) & (index < shape)).all(axis=1)
+        # What is nearest to the centre of its cell need not be so to the point: one beside it tells.
+        for beside in itertools.product((-1, 0, 1), repeat=2):
+            column, row = np.clip(index[inside] + beside, 0, shape - 1).T
+            walls = self._nearest[::-1, row, column].T + 0.5
+            off = np.maximum(np.abs(places[inside] - walls) - 0.5, 0.0)
+            distance[inside] = np.minimum(distance[inside], np.hypot(*off.T) * self._resolution)
         return distance
 
     def _viewpoints(self, cells: np.ndarray, starts: Sequence[Pose], footprint: Sequence[Polygon]) -> np.ndarray:
@@ -127,7 +135,8 @@ class Truth:
             pixels = np.floor((ends - walls.origin[:2]) / _REFERENCE_RESOLUTION).astype(np.int32)
             cv2.fillPoly(seen, [pixels], 1)
         found = seen > 0
-        found[found] = self.wall_distance(_centres_of(found, walls)) >= WALL_MARGIN
+        index = np.floor((_centres_of(found, walls) - self._origin) / self._resolution).astype(np.int64)
+        found[found] = self._distance[index[:, 1], index[:, 0]] >= WALL_MARGIN
         return found
 
 
