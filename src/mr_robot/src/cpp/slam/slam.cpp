@@ -209,7 +209,8 @@ SlamUpdate Slam::process(const float* ranges, std::size_t size, const LaserGeome
   if (astray()) return go_astray(scan, odometry, verdict);
   left_confirmed_ |= verdict == Standing::Verdict::kMoved;
   const std::optional<Pose> previous = left_confirmed_ ? std::nullopt : std::optional(confirmed_);
-  const bool sparse = (!stands && memory_.young()) || moved(Pose{}, motion, kSparseDistance, kSparseAngle);
+  const bool turns_at_first = memory_.young() && std::abs(motion.yaw) >= options_.match_angle;
+  const bool sparse = turns_at_first || moved(Pose{}, motion, kSparseDistance, kSparseAngle);
   const Match match = match_scan(map_, scan, pose_at(odometry), model_.deviation(motion), previous, sparse,
                                  memory_.long_ago(), options_.match);
   const bool doubtful = verdict == Standing::Verdict::kSeemsToStand;
