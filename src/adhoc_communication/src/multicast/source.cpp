@@ -9,15 +9,6 @@ bool is_little(const Transfer& transfer) {
   return transfer.packet->total() <= Source::kFewFrames * std::size_t{transfer.packet->segment_size()};
 }
 
-enum class Had { kNot, kWaits, kDelivered };
-
-/// What the receipt says of that packet.
-Had had(const wire::GroupReceipt& receipt, std::uint32_t number) {
-  if (before(number, receipt.next)) return Had::kDelivered;
-  const std::uint32_t ahead = number - receipt.next - 1;
-  return ahead < 32 && (receipt.beyond >> ahead & 1) != 0 ? Had::kWaits : Had::kNot;
-}
-
 }  // namespace
 
 std::set<MacAddress> Source::awaiting(const Branch& own) {
@@ -94,7 +85,7 @@ wire::GroupData Source::start_flooded(Branch& own, SendId id, Priority priority,
   transfer.image = std::move(image);
   transfer.open = members;
   transfer.last_news = transfer.sent = now;
-  transfer.late = now + flood_time_.timeout();
+  transfer.late = now + flood_times_.timeout();
   next_late_ = std::min(next_late_, transfer.late);
   wire::GroupData data;
   data.root_boot = own.tree.boot;
@@ -111,6 +102,7 @@ wire::GroupData Source::start_flooded(Branch& own, SendId id, Priority priority,
 void Source::receipt(Branch& own, const wire::GroupReceipt& receipt, Time now) {
   const std::pair key(receipt.member, receipt.stream);
   if (receipts_.size() < kMostReceipts || receipts_.count(key) != 0) receipts_[key] = receipt;
+  flood_times_.told(receipt, now);
   for (auto& [number, transfer] : own.streams[receipt.stream].transfers) {
     if (transfer.flooded && transfer.open.count(receipt.member) != 0) reached_by_flood(transfer, number, receipt, now);
   }
@@ -119,7 +111,7 @@ void Source::receipt(Branch& own, const wire::GroupReceipt& receipt, Time now) {
 void Source::reached_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now) {
   const Had state = had(receipt, number);
   if (state == Had::kNot) return;
-  if (transfer.there.count(receipt.member) == 0) flood_time_.sample(now - transfer.sent);
+  if (transfer.there.count(receipt.member) == 0) flood_times_.sample(now - transfer.sent);
   if (state == Had::kWaits) {
     transfer.there.insert(receipt.member);
   } else {
@@ -139,10 +131,10 @@ void Source::forget_receipts(const MacAddress& member) {
 void Source::serve_late(Branch& own, Time now) {
   if (next_late_ > now) return;
   next_late_ = Time::max();
-  for (GroupStream& stream : own.streams) {
+  for (std::uint8_t stream = 0; stream < own.streams.size(); ++stream) {
     std::set<MacAddress> behind;
-    for (auto& [number, transfer] : stream.transfers) {
-      if (transfer.flooded && transfer.late <= now) end_late(transfer, behind, now);
+    for (auto& [number, transfer] : own.streams[stream].transfers) {
+      if (transfer.flooded && transfer.late <= now) end_late({stream, number}, transfer, behind, now);
       if (transfer.flooded && !transfer.open.empty()) next_late_ = std::min(next_late_, transfer.late);
       behind.insert(transfer.open.begin(), transfer.open.end());
     }
@@ -150,14 +142,15 @@ void Source::serve_late(Branch& own, Time now) {
 }
 
 /// A copy says that nothing before it will come any more: to members with an earlier packet on its way none is sent.
-void Source::end_late(Transfer& transfer, const std::set<MacAddress>& behind, Time now) {
+void Source::end_late(PacketNumber number, Transfer& transfer, const std::set<MacAddress>& behind, Time now) {
   const std::set<MacAddress> open = transfer.open;
   for (const MacAddress& member : open) {
     const bool waits = transfer.there.count(member) != 0 && now - transfer.sent < kWaits;
     if (waits || behind.count(member) != 0) continue;
+    if (transfer.there.count(member) == 0) flood_times_.given_up(member, number, transfer.sent);
     finish_member(transfer, {transfer.id, member, false, true, "it did not say that it has got it", true});
   }
-  transfer.late = now + flood_time_.timeout();
+  transfer.late = now + flood_times_.timeout();
 }
 
 void Source::begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "multicast/branches.hpp"
+#include "multicast/flood_times.hpp"
 #include "multicast/tree_builder.hpp"
 
 namespace adhoc_communication::multicast {
@@ -88,7 +89,7 @@ class Source {
 
   static std::set<MacAddress> awaiting(const Branch& own);
   void reached_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now);
-  void end_late(Transfer& transfer, const std::set<MacAddress>& behind, Time now);
+  void end_late(PacketNumber number, Transfer& transfer, const std::set<MacAddress>& behind, Time now);
   void built(const Branch& own, const std::set<MacAddress>& members, Time now);
 
   void begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now);
@@ -108,9 +109,7 @@ class Source {
   std::set<MacAddress> left_out_;  ///< of these, those that it did not reach: another one would not, either
   /// Numbers on their way to members by themselves.
   std::array<std::multiset<std::uint32_t, routing::SequenceOrder>, transport::kPriorities> copies_;
-  /// From a flooded packet to what a member says of it.
-  transport::RoundTrip flood_time_{std::chrono::milliseconds(500), std::chrono::milliseconds(200),
-                                   std::chrono::seconds(4)};
+  FloodTimes flood_times_;
   Time next_late_ = Time::max();
   std::map<std::pair<MacAddress, std::uint8_t>, wire::GroupReceipt>
       receipts_;  ///< the latest of each member, by stream

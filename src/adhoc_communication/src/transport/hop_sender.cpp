@@ -254,8 +254,9 @@ void HopSender::transmission_lost(const Transmission& transmission, bool by_time
 
 Time HopSender::dead_at() const {
   if (!waiting_since_) return Time::max();
-  return std::min(std::max(*waiting_since_, silent_since_) + silence(),
-                  last_progress_ + kNoProgress + round_trip_.least());
+  const Time no_progress = kNoProgress + round_trip_.least();
+  const Time silent_since = std::max(*waiting_since_, silent_since_);
+  return std::min(silent_since + (odds_.tells() ? silence() : no_progress), last_progress_ + no_progress);
 }
 
 bool HopSender::dead(Time now) const { return dead_at() <= now; }
@@ -284,6 +285,7 @@ std::vector<HopFrame> HopSender::take_all() {
 void HopSender::count_outcome(double lost, Time now) {
   outcomes_ = now - last_outcome_ < kOutcomesAge ? std::min(outcomes_ + 1, kOutcomesThatMatter) : 1;
   last_outcome_ = now;
+  if (lost > 0.0) odds_.unanswered();
   loss_ += (lost - loss_) / outcomes_;
 }
 

@@ -15,13 +15,14 @@
 #include "transport/priorities.hpp"
 #include "transport/reliability.hpp"
 #include "transport/round_trip.hpp"
+#include "transport/silence_odds.hpp"
 #include "wire/messages.hpp"
 
 namespace adhoc_communication::transport {
 
 /// A frame is repeated as soon as a later transmission is acknowledged without it, or when its timer runs out; after
 /// `most_resends` repetitions it is given up and left to the end-to-end repetition. The link is dead when nothing at
-/// all was heard for kSilence while frames were outstanding, however few or many tries that were.
+/// all was heard for kSilence while frames were outstanding, and chance does not explain that.
 class HopSender {
  public:
   static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
@@ -118,6 +119,7 @@ class HopSender {
   bool acknowledged(const wire::HopAcknowledgment& acknowledgment, Time now, std::vector<Passed>* passed = nullptr);
   void heard(Time now) {
     silent_since_ = now;
+    odds_.heard(loss(now).value_or(0.0));
     probing_ = false;
   }
   /// The host called late: silence before now proves nothing.
@@ -201,6 +203,7 @@ class HopSender {
   AcknowledgmentDelays delays_;
   std::optional<Time> waiting_since_;  ///< frames have been outstanding without a break since then
   Time silent_since_{0};
+  SilenceOdds odds_;
   Time last_progress_{0};
   Reliability reliability_;
   double loss_ = 0.0;

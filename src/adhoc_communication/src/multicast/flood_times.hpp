@@ -1,0 +1,56 @@
+// How long members take to say that they have a flooded packet.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+
+#include "multicast/receipt.hpp"
+#include "transport/round_trip.hpp"
+
+namespace adhoc_communication::multicast {
+
+struct PacketNumber {
+  std::uint8_t stream;
+  std::uint32_t number;
+};
+
+/// What is said after it was given up counts, too: otherwise a timeout that is too short would stay so, and fill a
+/// crowded channel with copies of what has arrived. Of the latest kMostGivenUp only; the oldest make room.
+class FloodTimes {
+ public:
+  static constexpr std::size_t kMostGivenUp = 1024;
+  static constexpr Time kLongest = std::chrono::seconds(4);  ///< later words are of later packets, or of the copy
+
+  Time timeout() const { return time_.timeout(); }
+  void sample(Time time) { time_.sample(time); }
+
+  /// The member has not said in time that it has the packet that was sent then.
+  void given_up(const MacAddress& member, PacketNumber packet, Time sent) {
+    if (given_up_.size() == kMostGivenUp) given_up_.pop_front();
+    given_up_.push_back({member, packet, sent});
+  }
+  void told(const wire::GroupReceipt& receipt, Time now) {
+    const auto is_too_old = [now](const GivenUp& one) { return now - one.sent > kLongest; };
+    const auto is_there = [&](const GivenUp& one) {
+      return one.member == receipt.member && one.packet.stream == receipt.stream &&
+             had(receipt, one.packet.number) != Had::kNot;
+    };
+    given_up_.erase(std::remove_if(given_up_.begin(), given_up_.end(), is_too_old), given_up_.end());
+    for (const GivenUp& one : given_up_) {
+      if (is_there(one)) time_.sample(now - one.sent);
+    }
+    given_up_.erase(std::remove_if(given_up_.begin(), given_up_.end(), is_there), given_up_.end());
+  }
+
+ private:
+  struct GivenUp {
+    MacAddress member;
+    PacketNumber packet;
+    Time sent;
+  };
+
+  transport::RoundTrip time_{std::chrono::milliseconds(500), std::chrono::milliseconds(200), kLongest};
+  std::deque<GivenUp> given_up_;
+};
+
+}  // namespace adhoc_communication::multicast

@@ -1,0 +1,29 @@
+// Whether it tells anything that nothing is heard of a neighbour: on a crowded channel that happens by chance.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace adhoc_communication::transport {
+
+/// Counts what has gone unanswered since something was heard, against how often that happened before. To be asked while
+/// something is outstanding, which counts as one more.
+class SilenceOdds {
+ public:
+  static constexpr double kByChance = 0.003;  ///< the odds at which silence counts as more
+  static constexpr double kWorstLoss = 0.8;   ///< a worse link is none to hold on to
+
+  /// `loss`: share of the transmissions that were not answered up to now.
+  void heard(double loss) {
+    loss_ = std::min(loss, kWorstLoss);
+    unanswered_ = 0;
+  }
+  void unanswered() { ++unanswered_; }
+  bool tells() const { return std::pow(loss_, unanswered_ + 1) <= kByChance; }
+
+ private:
+  double loss_ = 0.0;
+  int unanswered_ = 0;
+};
+
+}  // namespace adhoc_communication::transport
