@@ -24,9 +24,9 @@ class AirClock {
   static constexpr std::size_t kMostRemembered = 256;
   static constexpr int kPairInterval = 64;         ///< of so many frames to one destination, two measure the air
   static constexpr int kPairIntervalInJitter = 8;  ///< the same where most of what they measure tells nothing
-  static constexpr int kEnoughDelays = 8;  ///< measured, of which the least is taken
-  static constexpr int kDeviations = 8;  ///< of the time that a frame takes, that the radio may be ahead
-  static constexpr int kMostAhead = 3;   ///< frames of largest size, of those
+  static constexpr int kEnoughDelays = 8;          ///< measured, of which the least is taken
+  static constexpr int kDeviations = 8;            ///< of the time that a frame takes, that the radio may be ahead
+  static constexpr int kMostAhead = 3;             ///< frames of largest size, of those
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
