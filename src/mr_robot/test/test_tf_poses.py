@@ -17,6 +17,7 @@ from mr_grid import Pose
 from mr_grid.ros import quaternion
 from mr_grid.ros_laser import Mount
 from mr_robot.navigation import ros_io as navigation_io
+from mr_robot.navigation.dates import Dates
 from mr_robot.navigation.node import MoveBaseNode
 from mr_robot.navigation.tf_poses import TfPoses
 from mr_robot.parameter_names import FRAMES
@@ -55,7 +56,7 @@ def poses() -> TfPoses:
         buffer.set_transform(transform("map", "odom", Pose(1.0, 0.0, 0.0), time + 0.2), "test")
         buffer.set_transform(transform("odom", "base_footprint", odometry(time), time), "test")
     buffer.set_transform(transform("map", "odom", Pose(1.0, 0.0, 0.0), 10.0), "test")
-    return TfPoses(buffer, FRAMES)
+    return TfPoses(buffer, FRAMES, Dates(0.1))
 
 
 def test_what_a_turning_robot_saw_a_moment_ago_stays_where_it_was(poses: TfPoses) -> None:
@@ -88,9 +89,11 @@ def test_a_scan_of_the_future_is_none(poses: TfPoses, monkeypatch: pytest.Monkey
     node._scan.header.frame_id = "laser"
     node._scan.header.stamp = stamp = rospy.Time.from_sec(11.0)
     assert node._scan_value(10.6, stamp) is not None and not said
-    assert node._scan_value(10.4, stamp) is None
-    assert len(said) == 1 and said[0].startswith("scan ignored: dated 0.6 s ahead")
-    assert node._scan_value(11.6, stamp) is None and len(said) == 1
+    for step in range(35):
+        assert node._scan_value(7.0 + 0.1 * step, stamp) is None
+    assert said[0].startswith("scan ignored: dated 1.5 s ahead") and said[0].endswith("must have one clock")
+    told = len(said)
+    assert node._scan_value(11.6, stamp) is None and len(said) == told
 
 
 def test_what_fails_in_a_control_period_stops_the_robot_and_ends_no_control(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -99,6 +102,7 @@ def test_what_fails_in_a_control_period_stops_the_robot_and_ends_no_control(monk
     monkeypatch.setattr(rospy, "logerr", said.append)
     monkeypatch.setattr(rospy, "get_time", lambda: 1.0)
     node, sent, aborted = MoveBaseNode.__new__(MoveBaseNode), [], []
+    node._dates = Dates(0.1)
     node._lock, node._moving, node._navigator = threading.RLock(), True, SimpleNamespace(cancel=lambda: None)
     node._command = SimpleNamespace(publish=sent.append)
     node._server = SimpleNamespace(
@@ -128,7 +132,7 @@ def mounts(rotation: Quaternion, frame: str = "laser") -> Tuple[Optional[Mount],
     slam = SlamNode.__new__(SlamNode)
     slam._mounts, slam._frames, slam._buffer, slam._listener = {}, FRAMES, buffer, Unused()
     time = rospy.Time.from_sec(1.0)
-    return TfPoses(buffer, FRAMES).laser(frame, time, time), slam._mount(frame)
+    return TfPoses(buffer, FRAMES, Dates(0.1)).laser(frame, time, time), slam._mount(frame)
 
 
 def seen_upside_down(yaw: float) -> LaserScan:

@@ -22,9 +22,10 @@ from mr_grid.ros_map_frame import FrameListener, run_of_map
 from mr_grid.ros_node import init_node, warn_of_unknown_parameters
 from mr_robot.navigation import ros_io
 from mr_robot.navigation.action_server import LatestGoalServer
+from mr_robot.navigation.dates import Dates
 from mr_robot.navigation.engine import Navigator, Status
 from mr_robot.navigation.options import NavigationError, NavigationOptions, Scan
-from mr_robot.navigation.tf_poses import TfPoses, is_recent
+from mr_robot.navigation.tf_poses import TfPoses
 from mr_robot.parameter_names import DRIVERS, FRAMES, NAVIGATION
 from mr_robot.platforms.engines import defaults_of
 from mr_robot.ros_poses import ParameterError, frame_name, frame_parameters, topic_parameters, transform_pose
@@ -66,7 +67,8 @@ class MoveBaseNode:
         self._buffer = tf2_ros.Buffer(rospy.Duration(10.0))
         frame = MapFrame(self._frames["map_frame"], self._frames["base_frame"])
         self._listener = FrameListener(self._buffer, frame, self._on_new_frame)
-        self._tf_poses = TfPoses(self._buffer, self._frames)
+        self._dates = Dates(self._navigator.options.controller_period)
+        self._tf_poses = TfPoses(self._buffer, self._frames, self._dates)
         self._command = rospy.Publisher(topics["velocity_topic"], Twist, queue_size=1)
         self._plan = rospy.Publisher(TOPICS["plan"], Path, queue_size=1, latch=True)
         self._server = LatestGoalServer("move_base", MoveBaseAction, auto_start=False)
@@ -175,6 +177,7 @@ class MoveBaseNode:
     # --- control ------------------------------------------------------------------------------------------------------
 
     def _on_timer(self, _: rospy.timer.TimerEvent) -> None:
+        self._dates.step(rospy.get_time())
         with self._lock:
             try:
                 self._take_requests()
@@ -223,7 +226,7 @@ class MoveBaseNode:
     def _scan_value(self, now: float, stamp: rospy.Time) -> Optional[Scan]:
         """The latest scan as seen from where the robot was at `stamp`."""
         message = self._scan
-        if message is None or not is_recent("scan", message.header.stamp, now):
+        if message is None or not self._tf_poses.is_recent("scan", message.header.stamp, now):
             return None
         mount = self._tf_poses.laser(message.header.frame_id, message.header.stamp, stamp)
         try:

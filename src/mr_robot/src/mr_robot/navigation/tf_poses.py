@@ -7,27 +7,17 @@ import tf2_ros
 
 from mr_grid import GridError, Pose
 from mr_grid.ros_laser import Mount, mount_value
+from mr_robot.navigation.dates import Dates
 from mr_robot.ros_poses import frame_name, transform_pose
-
-INPUT_AGE = 0.5  # s after which a pose or scan no longer tells where the robot and what around it is
-
-
-def is_recent(what: str, stamp: rospy.Time, now: float) -> bool:
-    """Whether input is dated within `INPUT_AGE`. What is dated ahead would never grow old."""
-    age = now - stamp.to_sec()
-    if age < -INPUT_AGE:
-        rospy.logwarn_throttle(
-            10.0, f"{what} ignored: dated {-age:.1f} s ahead; its driver and this node must have one clock"
-        )
-    return abs(age) <= INPUT_AGE
 
 
 class TfPoses:
     """The robot's pose is as old as its last odometry; a scan is of another moment, and a robot that turns has moved
     since. What the laser saw is told as seen from where the pose says the robot is."""
 
-    def __init__(self, buffer: Any, frames: Dict[str, str]) -> None:
+    def __init__(self, buffer: Any, frames: Dict[str, str], dates: Dates) -> None:
         """`buffer`: tf2_ros.BufferInterface; `frames`: map_frame, odom_frame, base_frame."""
+        self._dates = dates
         self._buffer = buffer
         self._frames = frames
         self._mounts: Dict[str, Mount] = {}
@@ -43,7 +33,13 @@ class TfPoses:
             rospy.logwarn_throttle(10.0, f"pose of the robot is unknown: {error}")
             return None
         stamp = message.header.stamp
-        return (transform_pose(message), stamp) if is_recent("pose of the robot", stamp, now) else None
+        return (transform_pose(message), stamp) if self.is_recent("pose of the robot", stamp, now) else None
+
+    def is_recent(self, what: str, stamp: rospy.Time, now: float) -> bool:
+        recent, complaint = self._dates.look(what, stamp.to_sec(), now)
+        if complaint is not None:
+            rospy.logwarn_throttle(60.0, complaint)
+        return recent
 
     def laser(self, frame: str, taken: rospy.Time, stamp: rospy.Time) -> Optional[Mount]:
         """Of the laser when it took its scan, in the frame of the base at `stamp`. Without odometry of that moment, or
