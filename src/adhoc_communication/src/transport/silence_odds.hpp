@@ -2,28 +2,24 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 namespace adhoc_communication::transport {
 
-/// Counts what has gone unanswered since something was heard, against how often that happened before. To be asked while
-/// something is outstanding, which counts as one more.
+/// How likely it is that all that has gone unanswered since something was heard did so by chance, by how often that
+/// happened before. To be asked while something is outstanding, which counts as one more.
 class SilenceOdds {
  public:
   static constexpr double kByChance = 0.003;  ///< the odds at which silence counts as more
   static constexpr double kWorstLoss = 0.8;   ///< a worse link is none to hold on to
 
   /// `loss`: share of the transmissions that were not answered up to now.
-  void heard(double loss) {
-    loss_ = std::min(loss, kWorstLoss);
-    unanswered_ = 0;
-  }
-  void unanswered() { ++unanswered_; }
-  bool tells() const { return std::pow(loss_, unanswered_ + 1) <= kByChance; }
+  void heard(double loss) { loss_ = chance_ = std::min(loss, kWorstLoss); }
+  void unanswered() { chance_ *= loss_; }
+  bool tells() const { return chance_ <= kByChance; }
 
  private:
   double loss_ = 0.0;
-  int unanswered_ = 0;
+  double chance_ = 0.0;
 };
 
 }  // namespace adhoc_communication::transport

@@ -351,6 +351,38 @@ TEST(HopSender, WhereTheRadioRepeatsOneQuestionIsEnoughUntilTheWindowIsFull) {
   }
 }
 
+/// Four of five links that ended on a crowded channel were good ones: 150 ms without a word were chance.
+TEST(HopSender, ALinkThatLosesMuchDoesNotEndByAShortSilence) {
+  HopSender sender(1, 100);
+  std::uint64_t counter = 0;
+  Time now = 0ms;
+  const auto transmit = [&] {
+    if (sender.has_resend(0)) {
+      sender.resend(0, {}, ++counter, now);
+    } else if (sender.idle()) {
+      sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now);
+    }
+  };
+  std::uint32_t answered = 0;
+  for (int round = 1; round <= 40; ++round) {
+    transmit();
+    if (round % 4 != 0) {
+      sender.expire(now += 600ms);
+      continue;
+    }
+    sender.heard(now += 5ms);
+    sender.acknowledged({{}, counter, 0, 0, ++answered, 1}, now);
+    ASSERT_TRUE(sender.idle());
+  }
+  const Time begin = now;
+  while (!sender.dead(now)) {
+    transmit();
+    sender.expire(now += 5ms);
+  }
+  EXPECT_GT(now - begin, 2 * HopSender::kSilence);
+  EXPECT_LE(now - begin, HopSender::kNoProgress + 10ms) << "or what is gone would be held on to";
+}
+
 /// On Wi-Fi, whose radio repeats each for 20 ms, a frame every 4 ms for a neighbour that was gone stood before the
 /// request for another way: it left the radio after the search had ended.
 TEST(HopSender, AFullWindowThatNobodyAnswersIsRepeatedMoreAndMoreSeldom) {

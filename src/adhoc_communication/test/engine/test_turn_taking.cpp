@@ -180,8 +180,6 @@ TEST(SharedAir, IsRememberedLongerEachTime) {
   EXPECT_FALSE(air.shared(52s));
 }
 
-/// On a busy computer frames come late, and a device may once in a while be late to say that it has sent them.
-/// Haste on a channel that turns out to be shared again would cost those who wait for it.
 TEST(SharedAir, IsForgottenOnceDisproved) {
   air::SharedAir air;
   for (int frame = 0; frame < air::SharedAir::kKept; ++frame) air.measured(true, true, 1s);
@@ -190,6 +188,8 @@ TEST(SharedAir, IsForgottenOnceDisproved) {
   EXPECT_FALSE(air.perhaps_shared(2s));
 }
 
+/// On a busy computer frames come late, and a device may once in a while be late to say that it has sent them.
+/// Haste on a channel that turns out to be shared again would cost those who wait for it.
 TEST(SharedAir, IsDoubtfulForAsLongAgain) {
   air::SharedAir air;
   EXPECT_FALSE(air.perhaps_shared(0s));
