@@ -30,16 +30,14 @@ class FloodTimes {
     given_up_.push_back({member, packet, sent});
   }
   void told(const wire::GroupReceipt& receipt, Time now) {
-    const auto is_too_old = [now](const GivenUp& one) { return now - one.sent > kLongest; };
-    const auto is_there = [&](const GivenUp& one) {
-      return one.member == receipt.member && one.packet.stream == receipt.stream &&
-             had(receipt, one.packet.number) != Had::kNot;
+    const auto is_done = [&](const GivenUp& one) {
+      if (now - one.sent > kLongest) return true;
+      const bool is_there = one.member == receipt.member && one.packet.stream == receipt.stream &&
+                            had(receipt, one.packet.number) != Had::kNot;
+      if (is_there) time_.sample(now - one.sent);
+      return is_there;
     };
-    given_up_.erase(std::remove_if(given_up_.begin(), given_up_.end(), is_too_old), given_up_.end());
-    for (const GivenUp& one : given_up_) {
-      if (is_there(one)) time_.sample(now - one.sent);
-    }
-    given_up_.erase(std::remove_if(given_up_.begin(), given_up_.end(), is_there), given_up_.end());
+    given_up_.erase(std::remove_if(given_up_.begin(), given_up_.end(), is_done), given_up_.end());
   }
 
  private:

@@ -1,6 +1,9 @@
 // A robot's branches of trees, and the packets of the own group on theirs.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "multicast/source.hpp"
 
 namespace adhoc_communication::multicast {
@@ -217,6 +220,30 @@ TEST(Source, APacketThatAMemberHasGotByItselfIsNotReplacedForTheRest) {
   root.source.copy_finished(kStream, number);
   EXPECT_FALSE(root.source.replace(root.own, 1, 2, image(600), {kA, kB}, 2s)) << "kA would never get the new one";
   EXPECT_TRUE(root.source.replace(root.own, 1, 2, image(600), {kB}, 2s));
+}
+
+/// It got a copy of every packet, as its words came too late to be counted and those of the near one kept the timeout
+/// short.
+TEST(Source, LearnsToWaitForAMemberWhoseReceiptsTakeLongerThanThoseOfOthers) {
+  Root root;
+  const auto receipt = [](const MacAddress& member, const wire::GroupData& packet) {
+    wire::GroupReceipt receipt;
+    receipt.member = member;
+    receipt.stream = packet.stream;
+    receipt.next = packet.packet + 1;
+    return receipt;
+  };
+  std::vector<bool> copied;
+  for (Time now = 10s; now < 100s; now += 3s) {
+    const wire::GroupData packet = root.source.start_flooded(root.own, 1, Priority::kNormal, image(500), {kA, kB}, now);
+    root.source.receipt(root.own, receipt(kA, packet), now + 50ms);
+    root.source.serve_late(root.own, now + 900ms);
+    root.source.receipt(root.own, receipt(kB, packet), now + 900ms);
+    const std::vector<MemberEnd> ends = root.source.take_ends();
+    copied.push_back(std::any_of(ends.begin(), ends.end(), [](const MemberEnd& end) { return end.by_copy; }));
+  }
+  EXPECT_TRUE(copied.front()) << "otherwise this tests nothing";
+  EXPECT_EQ(std::count(copied.end() - 20, copied.end(), true), 0);
 }
 
 }  // namespace
