@@ -26,7 +26,7 @@ class AirClock {
   static constexpr int kPairIntervalInJitter = 8;  ///< the same where most of what they measure tells nothing
   static constexpr int kEnoughDelays = 8;          ///< measured, of which the least is taken
   static constexpr int kDeviations = 8;            ///< of the time that a frame takes, that the radio may be ahead
-  static constexpr int kMostAhead = 3;             ///< frames of largest size, of those
+  static constexpr int kMostAhead = 4;             ///< frames of largest size, of those
   static constexpr Time kShortestLead = std::chrono::microseconds(150);  ///< within which a host surely wakes up
 
   explicit AirClock(std::size_t largest_frame) : largest_frame_(largest_frame) {}
@@ -58,6 +58,8 @@ class AirClock {
   /// that takes now longer, now less long, as one that repeats frames by itself, as many as it may be done with sooner
   /// than believed.
   Time ready_at() const { return busy_until_ - std::max(lead(), kShortestLead); }
+  /// The radio takes now longer, now less long, so that several frames are in its hands all the time.
+  bool varies() const { return lead() > last_rate_->air_time(largest_frame_); }
   /// When all that was handed over is off the air.
   Time idle_at() const { return busy_until_; }
   /// What is believed of frames to a neighbour, or to everybody; of a kind that was never measured, what is of all.

@@ -30,7 +30,7 @@ bool HopSender::has_lost() const {
 
 /// More of them would crowd a crowded channel until it carries nothing but repetitions.
 std::size_t HopSender::most_unresolved() const {
-  if (probing_) return kProbes;
+  if (probing_) return hardly_loses() ? kFewProbes : kProbes;
   const bool crowded = !jittered_ && round_trip_.timeout() - round_trip_.least() >= kSlowAnswers;
   return crowded ? kFewUnresolved : kMostUnresolved;
 }
@@ -220,7 +220,16 @@ void HopSender::keep_late(const Transmission& transmission) {
   late_.push_back(transmission);
 }
 
+/// Where hardly a frame is lost, sooner than a timer tells: so long no answer takes that is held back for further
+/// frames.
+bool HopSender::falls_silent(Time now) const {
+  if (!sparing_ || !hardly_loses() || unresolved_.empty()) return false;
+  const Time silent_since = std::max(silent_since_, unresolved_.front().sent);
+  return now - silent_since >= std::max(round_trip_.timeout() / 2, delays_.longest);
+}
+
 void HopSender::expire(Time now) {
+  probing_ = probing_ || falls_silent(now);
   if (answer_overdue() <= now) repeat_oldest(now);
   for (auto iterator = unresolved_.begin(); iterator != unresolved_.end();) {
     if (iterator->expires > now) {

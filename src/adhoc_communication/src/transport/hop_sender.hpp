@@ -28,9 +28,10 @@ class HopSender {
   static constexpr std::uint32_t kSpan = 64;          ///< link sequences that one acknowledgment can cover
   static constexpr std::size_t kMostUnresolved = 48;  ///< transmissions whose fate is open
   static constexpr std::size_t kFewUnresolved = 16;   ///< the same while answers are slow, or none is known
-  /// The same for a sparing one once a timer has run out and nothing was heard for as long: a radio that repeats frames
-  /// for a neighbour that is gone has no air for what could find another way.
+  /// The same for a sparing one whose neighbour has fallen silent: a radio that repeats frames for a neighbour that is
+  /// gone has no air for what could find another way.
   static constexpr std::size_t kProbes = 8;
+  static constexpr std::size_t kFewProbes = 2;                         ///< where hardly a frame was lost before
   static constexpr Time kSlowAnswers = std::chrono::milliseconds(15);  ///< of the timer, beyond the shortest round trip
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging
@@ -137,6 +138,8 @@ class HopSender {
   std::optional<double> loss(Time now) const;
   /// Frames are as good as never lost. Answers may be: timers do not count.
   bool reliable() const { return reliability_.reliable(); }
+  /// The same of the latest frames only, answers included.
+  bool hardly_loses() const { return odds_.hardly_lost(); }
   std::uint64_t given_up() const { return given_up_; }
   /// Of a frame and its acknowledgment; 0 before the first.
   Time least_round_trip() const { return round_trip_.least(); }
@@ -173,6 +176,7 @@ class HopSender {
   bool answers_question(const Transmission& transmission) const;
   bool window_full() const { return question_ && !probing_ && !may_start(); }
   Time answer_overdue() const;
+  bool falls_silent(Time now) const;
   void repeat_oldest(Time now);
   void keep_late(const Transmission& transmission);
   std::size_t most_unresolved() const;
@@ -194,7 +198,7 @@ class HopSender {
   bool eager_ = false;
   bool sparing_ = false;   ///< see be_sparing()
   bool jittered_ = false;  ///< see expect_jitter()
-  bool probing_ = false;   ///< a timer has run out in silence, nothing was heard since, and it is sparing
+  bool probing_ = false;   ///< the neighbour has fallen silent, nothing was heard since, and it is sparing
   Time latest_{0};         ///< when the latest transmission went out
   RoundTrip round_trip_{std::chrono::milliseconds(20), kShortestTimer, kLongestTimer};
   std::optional<Question> question_;  ///< that is not answered

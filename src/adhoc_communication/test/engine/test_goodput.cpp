@@ -248,14 +248,36 @@ TEST(HopSender, ASilentNeighborGetsFewFramesWhereTheRadioMayRepeatThem) {
   sender.heard(0ms);
   EXPECT_EQ(fill(0ms), HopSender::kFewUnresolved);
   sender.expire(20ms);
-  EXPECT_EQ(fill(20ms), HopSender::kProbes) << "nothing was heard since they were sent";
+  EXPECT_EQ(fill(20ms), HopSender::kFewProbes) << "nothing was heard since they were sent";
   sender.expire(30ms);
-  EXPECT_EQ(fill(30ms), HopSender::kProbes);
+  EXPECT_EQ(fill(30ms), HopSender::kFewProbes);
   sender.heard(31ms);
   EXPECT_EQ(fill(31ms), HopSender::kFewUnresolved) << "it lives";
   sender.be_sparing(false);
   sender.expire(200ms);
   EXPECT_EQ(fill(200ms), HopSender::kFewUnresolved) << "a radio that does not repeat is done with them soon";
+}
+
+/// Where none is lost, a neighbour from which nothing comes for longer than it may hold its answers back gets no
+/// further frames; where frames are lost that is nothing unusual before a timer runs out.
+TEST(HopSender, ACleanLinkThatFallsSilentIsProbedBeforeATimerRunsOut) {
+  for (const bool clean : {true, false}) {
+    HopSender sender(1, 10);
+    sender.be_sparing(true);
+    std::uint64_t counter = 0;
+    const auto start = [&](int frames, Time now) {
+      for (int i = 0; i < frames && sender.may_start(); ++i) {
+        sender.start({wire::FrameType::kData, text("x"), 0}, ++counter, now);
+      }
+    };
+    start(16, 0ms);
+    const std::uint64_t received = clean ? ~std::uint64_t{0} : 0x5555'5555'5555'5555;
+    sender.acknowledged({0, counter, 0, 0, static_cast<std::uint32_t>(counter), received}, 20ms);
+    sender.heard(20ms);
+    start(4, 21ms);
+    sender.expire(55ms);
+    EXPECT_EQ(sender.may_start(), !clean);
+  }
 }
 
 /// Until the timers of 10 ms and more nothing moved when the answer to the frame that filled the window was lost.
@@ -558,6 +580,25 @@ TEST(Goodput, LossOnHopsDoesNotCauseRepetitionsEndToEnd) {
   EXPECT_LT(starts_per_segment(10, medium, 5'000'000), 1.02);
   medium.shared = true;
   EXPECT_LT(starts_per_segment(3, medium, 5'000'000), 1.02);
+}
+
+/// Every 64 frames it ran dry, since the next two were to measure how long it takes for one.
+TEST(Goodput, ARadioThatRepeatsFramesByItselfIsKeptBusy) {
+  MediumOptions medium;
+  medium.contention = true;
+  medium.loss = 0.2;
+  medium.rates.unicast_retries = 7;
+  Team team(medium, 3);
+  team.add_line(2);
+  team.run_for(1s);
+  for (int packet = 0; packet < 20; ++packet) team.send(0, "robot_1", noise(1'000'000, packet), Priority::kBulk);
+  team.run_for(2s);
+  int idle = 0;
+  for (int i = 0; i < 10000; ++i) {
+    team.run_for(100us);
+    idle += !team.medium().keeps_frames(0);
+  }
+  EXPECT_LT(idle, 300) << "of 10000 moments";
 }
 
 }  // namespace
