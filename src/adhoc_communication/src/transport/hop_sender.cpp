@@ -225,7 +225,7 @@ void HopSender::keep_late(const Transmission& transmission) {
 bool HopSender::falls_silent(Time now) const {
   if (!sparing_ || !hardly_loses() || unresolved_.empty()) return false;
   const Time silent_since = std::max(silent_since_, unresolved_.front().sent);
-  return now - silent_since >= std::max(round_trip_.timeout() / 2, delays_.longest);
+  return now - silent_since >= std::max({round_trip_.timeout() / 2, delays_.longest, kShortestDoubt});
 }
 
 void HopSender::expire(Time now) {

@@ -31,7 +31,9 @@ class HopSender {
   /// The same for a sparing one whose neighbour has fallen silent: a radio that repeats frames for a neighbour that is
   /// gone has no air for what could find another way.
   static constexpr std::size_t kProbes = 8;
-  static constexpr std::size_t kFewProbes = 2;                         ///< where hardly a frame was lost before
+  static constexpr std::size_t kFewProbes = 2;  ///< where hardly a frame was lost before
+  /// A silence that no short burst of loss explains.
+  static constexpr Time kShortestDoubt = std::chrono::milliseconds(25);
   static constexpr Time kSlowAnswers = std::chrono::milliseconds(15);  ///< of the timer, beyond the shortest round trip
   static constexpr Time kSilence = std::chrono::milliseconds(150);
   static constexpr Time kNoProgress = std::chrono::seconds(1);  ///< heard, but not acknowledging

@@ -298,7 +298,7 @@ bool Hops::air_allows(const MacAddress& neighbor, const Hop& hop, std::uint8_t p
     return air_.ready_at() <= now + kLongestBacklog;
   }
   const bool pair_begins = air_.calibrated(neighbor) && hop.pair == air_.pair_interval(neighbor) - 1;
-  const bool keeps_busy = air_.varies() && hop.sender.hardly_loses();
+  const bool keeps_busy = air_.varies() && !air_.jittered(neighbor) && hop.sender.hardly_loses();
   if (pair_begins && !keeps_busy && air_.idle_at() > now && air_.idle_at() <= now + kLongestBacklog) return false;
   if (air_.ready_at() <= now) return true;
   if (options_.num_link_retrans == 0) return false;
