@@ -13,7 +13,9 @@ constexpr double kKeepApart = 0.3;      // m or rad, and kept
 constexpr std::size_t kMostSeen = 150;  // of these scans: a robot may turn on the spot for good
 constexpr int kMostContradicted = 5;    // scans in a row: the own map is wrong
 constexpr std::size_t kLeastSurfaces = 100;
-constexpr double kRefuted = 0.5;  // of the hits that must contradict the place where it is thought to be
+constexpr double kRefuted = 0.5;        // of the hits that must contradict the place where it is thought to be
+constexpr double kHardlyRefuted = 0.1;  // of them: it is there, if
+constexpr double kConfirmed = 0.25;     // of them lie on its walls, though most of what it sees is not mapped yet
 constexpr double kCarried = 5.0;  // m that a robot is carried: copies of rooms, where it has not been, are farther
 
 std::vector<Feature> features_of(const GridMap& map) {
@@ -75,8 +77,10 @@ std::optional<Match> Lost::begin_search(const GridMap& map, const Pose& expected
   if (features.size() < kLeastSurfaces || !finder_.prepare(map)) return std::nullopt;
   searched_ = way_;
   const Match here = match_place(map, seen_, expected * inverse(robot_), options_);
-  if (fits_well(here) && !apart(here.pose * robot_, expected, options_.window, options_.angular_window)) return here;
-  if ((1.0 - here.share) * here.known < kRefuted) return std::nullopt;
+  const double confirmed = here.share * here.known, refuted = here.known - confirmed;
+  const bool fits = fits_well(here) || (confirmed >= kConfirmed && refuted <= kHardlyRefuted);
+  if (fits && !apart(here.pose * robot_, expected, options_.window, options_.angular_window)) return here;
+  if (refuted < kRefuted) return std::nullopt;
   const double everywhere = map.resolution() * (map.width() + map.height());
   const Pose middle{(map.origin().x + 0.5 * map.width()) * map.resolution(),
                     (map.origin().y + 0.5 * map.height()) * map.resolution(), 0.0};
