@@ -140,7 +140,7 @@ class HopSender {
   std::optional<double> loss(Time now) const;
   /// Frames are as good as never lost. Answers may be: timers do not count.
   bool reliable() const { return reliability_.reliable(); }
-  /// The same of the latest frames only, answers included.
+  /// Of the latest transmissions before something was heard last, hardly one went unanswered.
   bool hardly_loses() const { return odds_.hardly_lost(); }
   std::uint64_t given_up() const { return given_up_; }
   /// Of a frame and its acknowledgment; 0 before the first.

@@ -11,7 +11,7 @@ class SilenceOdds {
  public:
   static constexpr double kByChance = 0.003;  ///< the odds at which silence counts as more
   static constexpr double kWorstLoss = 0.8;   ///< a worse link is none to hold on to
-  static constexpr double kHardly = 0.05;
+  static constexpr double kHardly = 0.05;     ///< share of the transmissions; of nothing known it is 0
 
   /// `loss`: share of the transmissions that were not answered up to now.
   void heard(double loss) { loss_ = chance_ = std::min(loss, kWorstLoss); }

@@ -14,8 +14,8 @@ constexpr std::size_t kMostSeen = 150;  // of these scans: a robot may turn on t
 constexpr int kMostContradicted = 5;    // scans in a row: the own map is wrong
 constexpr std::size_t kLeastSurfaces = 100;
 constexpr double kRefuted = 0.5;        // of the hits that must contradict the place where it is thought to be
-constexpr double kHardlyRefuted = 0.1;  // of them: it is there, if
-constexpr double kConfirmed = 0.25;     // of them lie on its walls, though most of what it sees is not mapped yet
+constexpr double kHardlyRefuted = 0.1;  // of the hits at most, while
+constexpr double kConfirmed = 0.25;     // at least lie on walls: it is there, though most of what it sees is not mapped
 constexpr double kCarried = 5.0;  // m that a robot is carried: copies of rooms, where it has not been, are farther
 
 std::vector<Feature> features_of(const GridMap& map) {
