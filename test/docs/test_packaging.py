@@ -50,9 +50,10 @@ def test_every_kind_of_tests_is_run_by_make_test(package):
     name = re.search(
         r"^project\((\w+)\)", (package / "CMakeLists.txt").read_text(encoding="utf-8"), re.MULTILINE
     ).group(1)
-    if re.search(rf"\brun_packages(?: \w+)* {name}\b", text):
+    if re.search(rf"^{name}$", text, re.MULTILINE):
         return
-    run = [kind for kinds in re.findall(rf"\brun_tests {name}((?: [\w-]+)+)", text) for kind in kinds.split()]
+    lines = re.findall(rf"^(?:run_tests )?{name}((?: [\w-]+)+)", text, re.MULTILINE)
+    run = [kind for kinds in lines for kind in kinds.split()]
     assert len(run) == len(set(run)) and set(run) == kinds_of_tests(package)
 
 
