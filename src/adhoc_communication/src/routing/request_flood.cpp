@@ -52,22 +52,33 @@ void RequestFlood::poll(const Neighbors& neighbors, Time now) {
     Pending& pending = pending_[i];
     if (pending.due > now || (!pending.broadcast_done && outbox_.air_ready() > now)) {
       ++i;
-    } else if (!pending.broadcast_done && needless(pending.request, neighbors, now)) {
-      pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
-    } else if (const auto receiver =
-                   pending.broadcast_done ? std::nullopt : only_receiver(pending.request, neighbors, now)) {
-      outbox_.unicast(*receiver, wire::FrameType::kRouteRequest, to_bytes(pending.request));
-      pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
-    } else if (!pending.broadcast_done) {
-      outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(pending.request), now);
+    } else if (!pending.broadcast_done && pass_on(pending.request, neighbors, now)) {
       pending.broadcast_done = true;
       pending.due = now + kConfirm + random_.delay(kConfirmJitter) + kWaitersPerHop * (now - pending.due);
       ++i;
     } else {
-      confirm(pending.request, neighbors, now);
+      if (pending.broadcast_done) confirm(pending.request, neighbors, now);
       pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
     }
   }
+}
+
+/// True if it was broadcast, so that copies may have to follow.
+bool RequestFlood::pass_on(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) {
+  const auto seen = seen_.find(key(request));
+  if (seen != seen_.end() && load_.heavy(now)) {
+    if (request.hop_count > 0 && seen->second.holders.size() >= kEnoughHolders) return false;
+  } else if (seen != seen_.end()) {
+    const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
+    // In a crowd others have broadcast it to all who need it.
+    if (needy.empty() && request.hop_count > 0 && seen->second.holders.size() >= kFewestHolders) return false;
+    if (const auto receiver = only_receiver(needy, neighbors, now)) {
+      outbox_.unicast(*receiver, wire::FrameType::kRouteRequest, to_bytes(request));
+      return false;
+    }
+  }
+  outbox_.broadcast(wire::FrameType::kRouteRequest, to_bytes(request), now);
+  return true;
 }
 
 void RequestFlood::confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) {
@@ -101,21 +112,10 @@ bool RequestFlood::silent_with_it(const MacAddress& neighbor, const Holders& hol
   return others < 1.0 && others * neighbors.beacon_loss(neighbor) <= kTolerableMiss;
 }
 
-/// In a crowd: others have broadcast the request to all who need it.
-bool RequestFlood::needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const {
-  const auto seen = seen_.find(key(request));
-  if (request.hop_count == 0 || seen == seen_.end() || seen->second.holders.size() < kFewestHolders) return false;
-  if (load_.heavy(now)) return seen->second.holders.size() >= kEnoughHolders;
-  return in_need(request, seen->second, neighbors, now).empty();
-}
-
 /// The one neighbour that needs the request from this robot, if broadcasts to it are lost now and then.
-std::optional<MacAddress> RequestFlood::only_receiver(const wire::RouteRequest& request, const Neighbors& neighbors,
+std::optional<MacAddress> RequestFlood::only_receiver(const std::vector<MacAddress>& needy, const Neighbors& neighbors,
                                                       Time now) const {
-  const auto seen = seen_.find(key(request));
-  if (!hops_acknowledge_ || seen == seen_.end() || load_.heavy(now)) return std::nullopt;
-  const std::vector<MacAddress> needy = in_need(request, seen->second, neighbors, now);
-  if (needy.size() != 1) return std::nullopt;
+  if (!hops_acknowledge_ || needy.size() != 1) return std::nullopt;
   if (neighbors.ways_round(needy.front(), neighbors.all_two_way(now), now) >= kEnoughWays) return std::nullopt;
   const double loss = std::max(neighbors.beacon_loss(needy.front()), neighbors.loss(needy.front()));
   return loss > kTolerableMiss ? std::optional(needy.front()) : std::nullopt;
@@ -142,12 +142,16 @@ RequestFlood::Holders RequestFlood::holders_of(const Seen& seen, const Neighbors
   return holders;
 }
 
-/// Each of the copies that the holders have broadcast, as far as the neighbour has told how well it hears them.
+/// Each of the copies that the holders have broadcast, as far as the neighbour has told how well it hears them; of a
+/// chance that is tolerable, no more than that it is.
 double RequestFlood::chance_to_miss(const MacAddress& neighbor, const Holders& holders, const Neighbors& neighbors,
                                     Time now) {
   const Neighbor* receiver = neighbors.find(neighbor);
   double chance = 1.0;
-  for (const wire::NeighborTag holder : holders) chance *= 1.0 - neighbors.delivery(*receiver, holder, now);
+  for (const wire::NeighborTag holder : holders) {
+    chance *= 1.0 - neighbors.delivery(*receiver, holder, now);
+    if (chance <= kTolerableMiss) break;
+  }
   return chance;
 }
 

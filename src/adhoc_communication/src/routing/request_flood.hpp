@@ -89,8 +89,8 @@ class RequestFlood {
 
   void make_room(Time now);
   void confirm(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
-  bool needless(const wire::RouteRequest& request, const Neighbors& neighbors, Time now) const;
-  std::optional<MacAddress> only_receiver(const wire::RouteRequest& request, const Neighbors& neighbors,
+  bool pass_on(const wire::RouteRequest& request, const Neighbors& neighbors, Time now);
+  std::optional<MacAddress> only_receiver(const std::vector<MacAddress>& needy, const Neighbors& neighbors,
                                           Time now) const;
   using Holders = std::vector<wire::NeighborTag>;
   static bool ends_at(const wire::RouteRequest& request, const MacAddress& neighbor);
