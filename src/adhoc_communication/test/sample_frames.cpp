@@ -89,7 +89,7 @@ void write_samples(const std::string& path) {
   flooded.flooded = true;
   sample.add(FrameType::kGroupData, flooded);
   sample.add(FrameType::kGroupReceipts,
-             wire::GroupReceipts{{{kAlice, 0xa1, 2, kBob, 32, 0}, {kAlice, 0xa1, 2, kCarol, 31, 1}}});
+             wire::GroupReceipts{{{kAlice, 0xa1, 2, kBob, 32, 0}, {kAlice, 0xa1, 2, kCarol, 31, 1, true}}});
 
   Bytes sealed;
   wire::Writer writer(sealed);

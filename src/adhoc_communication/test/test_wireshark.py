@@ -145,7 +145,7 @@ def test_group_data_and_report(frames):
 def test_flooded_group_data_and_receipts(frames):
     expect(frames[17], type=12, stream__flooded=1, stream__report=0, image__topic="greeting")
     expect(frames[18], type=15, member_count=2, root=[ALICE, ALICE], member=[BOB, CAROL], next_packet=[32, 31])
-    expect(frames[18], beyond=["0x00000000", "0x00000001"])
+    expect(frames[18], beyond=["0x00000000", "0x00000001"], stream__by_route=[0, 1])
 
 
 def test_sealed_frame_stays_closed(odd_frames):

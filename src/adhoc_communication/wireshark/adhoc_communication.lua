@@ -128,6 +128,7 @@ local f = {
   group_report = ProtoField.bool("adhoc.stream.report", "Asks for a report", 8, YES_NO, 0x80),
   group_follows = ProtoField.bool("adhoc.stream.follows", "Follows the frame before without a gap", 8, YES_NO, 0x40),
   group_flooded = ProtoField.bool("adhoc.stream.flooded", "Everybody passes it on", 8, YES_NO, 0x20),
+  receipt_by_route = ProtoField.bool("adhoc.stream.by_route", "By the route", 8, YES_NO, 0x80),
   group_complete = ProtoField.bool("adhoc.stream.complete", "Complete", 8, YES_NO, 0x80),
   next_packet = ProtoField.uint32("adhoc.next_packet", "Delivered before"),
   beyond = ProtoField.uint32("adhoc.beyond", "There behind it (bits)", base.HEX),
@@ -431,7 +432,7 @@ local function group_receipts(cursor, tree)
   for _ = 1, count do
     cursor:add(tree, f.root, 6)
     cursor:add(tree, f.root_boot, 8)
-    cursor:flags(tree, f.stream, { f.priority })
+    cursor:flags(tree, f.stream, { f.priority, f.receipt_by_route })
     cursor:add(tree, f.member, 6)
     cursor:number(tree, f.next_packet, 4)
     cursor:add(tree, f.beyond, 4)

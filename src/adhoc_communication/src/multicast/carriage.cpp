@@ -23,16 +23,22 @@ double Carriage::tries(const MacAddress& target) const {
   return 1.0 / (1.0 - std::min(neighbors_.beacon_loss(target), routing::kWorstLoss));
 }
 
-bool Carriage::flood_pays(std::size_t robots, std::size_t far_members) const {
-  double slowness = 1.0;  // of a frame for everybody
-  if (has_measured_broadcasts()) {
-    for (const auto& [address, neighbor] : neighbors_.all()) {
-      if (air_.measured(address) != nullptr) {
-        slowness = std::max(slowness, frame_time(wire::kEverybody) / frame_time(address));
-      }
-    }
+/// Of a frame for everybody, against one for a neighbour: the median, since on a crowded channel single ones are far
+/// off.
+double Carriage::slowness() const {
+  if (!has_measured_broadcasts()) return 1.0;
+  std::vector<double> ratios;
+  for (const auto& [address, neighbor] : neighbors_.all()) {
+    if (air_.measured(address) != nullptr) ratios.push_back(frame_time(wire::kEverybody) / frame_time(address));
   }
-  return static_cast<double>(robots) * slowness <= kFramesOfAMember * static_cast<double>(far_members);
+  if (ratios.empty()) return 1.0;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return std::max(1.0, *middle);
+}
+
+bool Carriage::flood_pays(std::size_t robots, std::size_t far_members) const {
+  return static_cast<double>(robots) * slowness() <= kFramesOfAMember * static_cast<double>(far_members);
 }
 
 Way Carriage::way(const std::vector<MacAddress>& targets, std::size_t frames, Time now) const {

@@ -42,6 +42,7 @@ class Carriage {
   bool knows_well(const MacAddress& destination, Time now) const;
   double frame_time(const MacAddress& destination) const;
   double tries(const MacAddress& target) const;
+  double slowness() const;
 
   const air::AirClock& air_;
   const routing::Neighbors& neighbors_;

@@ -95,6 +95,10 @@ std::set<MacAddress> Distributor::drop(SendId id) {
   return own == nullptr ? std::set<MacAddress>{} : source_.drop(*own, id);
 }
 
+void Distributor::copy_arrived(const MacAddress& member, std::uint8_t stream, std::uint32_t number, Time now) {
+  if (Branch* own = branches_.own()) source_.copy_arrived(*own, member, {stream, number}, now);
+}
+
 void Distributor::drop_member(const MacAddress& member, const std::string& reason, Time now) {
   Branch* own = branches_.own();
   if (own == nullptr) return;

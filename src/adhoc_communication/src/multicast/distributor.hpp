@@ -47,6 +47,7 @@ class Distributor {
   void drop_member(const MacAddress& member, const std::string& reason, Time now);
   void copy_started(std::uint8_t stream, std::uint32_t number) { source_.copy_started(stream, number); }
   void copy_finished(std::uint8_t stream, std::uint32_t number) { source_.copy_finished(stream, number); }
+  void copy_arrived(const MacAddress& member, std::uint8_t stream, std::uint32_t number, Time now);
   bool has_delivered(const MacAddress& member, std::uint8_t stream, std::uint32_t number) const {
     return source_.has_delivered(member, stream, number);
   }

@@ -19,10 +19,14 @@ struct PacketNumber {
 class FloodTimes {
  public:
   static constexpr std::size_t kMostGivenUp = 1024;
+  static constexpr int kRemembered = 512;                    ///< words, of the slowest
   static constexpr Time kLongest = std::chrono::seconds(4);  ///< later words are of later packets, or of the copy
 
-  Time timeout() const { return time_.timeout(); }
-  void sample(Time time) { time_.sample(time); }
+  Time timeout() const { return std::min(std::max(time_.timeout(), slowest_ + slowest_ / 2), kLongest); }
+  void sample(Time time) {
+    time_.sample(time);
+    slowest_ = time > slowest_ ? time : slowest_ - (slowest_ - time) / kRemembered;
+  }
 
   /// The member has not said in time that it has the packet that was sent then.
   void given_up(const MacAddress& member, PacketNumber packet, Time sent) {
@@ -34,7 +38,7 @@ class FloodTimes {
       if (now - one.sent > kLongest) return true;
       const bool is_there = one.member == receipt.member && one.packet.stream == receipt.stream &&
                             had(receipt, one.packet.number) != Had::kNot;
-      if (is_there) time_.sample(now - one.sent);
+      if (is_there) sample(now - one.sent);
       return is_there;
     };
     given_up_.erase(std::remove_if(given_up_.begin(), given_up_.end(), is_done), given_up_.end());
@@ -48,6 +52,7 @@ class FloodTimes {
   };
 
   transport::RoundTrip time_{std::chrono::milliseconds(500), std::chrono::milliseconds(200), kLongest};
+  Time slowest_{0};
   std::deque<GivenUp> given_up_;
 };
 

@@ -176,6 +176,10 @@ void GroupTraffic::fail_waiting(const std::string& group, const std::string& rea
 }
 
 void GroupTraffic::ended(const Sending& letter, bool delivered, const std::string& reason, Time now) {
+  if (delivered && letter.copy) {
+    const auto address = directory_.address_of(letter.destination);
+    if (address) distributor_.copy_arrived(*address, letter.copy->first, letter.copy->second, now);
+  }
   switch (letter.purpose) {
     case Purpose::kFanOut:
       copy_finished(letter);

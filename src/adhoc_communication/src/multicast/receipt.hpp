@@ -14,4 +14,17 @@ inline Had had(const wire::GroupReceipt& receipt, std::uint32_t number) {
   return ahead < 32 && (receipt.beyond >> ahead & 1) != 0 ? Had::kWaits : Had::kNot;
 }
 
+/// The same once that packet is delivered as well, and what waited for it.
+inline wire::GroupReceipt with_delivered(wire::GroupReceipt receipt, std::uint32_t number) {
+  const std::uint32_t steps = number - receipt.next;
+  receipt.beyond = steps < 32 ? receipt.beyond >> steps : 0;
+  receipt.next = number + 1;
+  while ((receipt.beyond & 1) != 0) {
+    receipt.beyond >>= 1;
+    ++receipt.next;
+  }
+  receipt.beyond >>= 1;
+  return receipt;
+}
+
 }  // namespace adhoc_communication::multicast

@@ -12,6 +12,10 @@ bool is_news(const wire::GroupReceipt& receipt, const wire::GroupReceipt& known)
   return (receipt.beyond & ~known.beyond) != 0;
 }
 
+bool goes_on_by_route(const wire::GroupReceipt& receipt, const wire::GroupReceipt& known) {
+  return receipt.by_route && !known.by_route && receipt.next == known.next;
+}
+
 }  // namespace
 
 void Receipts::owe(const wire::GroupReceipt& own, int hops, Time now) {
@@ -26,12 +30,15 @@ void Receipts::pass_on(const wire::GroupReceipt& receipt, Time now) {
   keep(receipt, own == own_due_.end() ? due : std::max(due, own->second), now);
 }
 
-/// What was said before is not said again, so that nothing goes in circles.
+/// What was said before is not said again, so that nothing goes in circles; but once more by the route.
 void Receipts::keep(const wire::GroupReceipt& receipt, Time due, Time now) {
   const Key key{stream_of(receipt), receipt.member};
   const auto known = kept_.find(key);
   if (known == kept_.end() && kept_.size() >= kMostKept) return;
-  if (known != kept_.end() && !is_news(receipt, known->second.receipt)) return;
+  if (known != kept_.end() && !is_news(receipt, known->second.receipt) &&
+      !goes_on_by_route(receipt, known->second.receipt)) {
+    return;
+  }
   Kept& kept = known == kept_.end() ? kept_[key] : known->second;
   const bool same_place = known != kept_.end() && kept.receipt.next == receipt.next;
   const std::uint32_t beyond = same_place ? kept.receipt.beyond | receipt.beyond : receipt.beyond;
@@ -51,12 +58,11 @@ void Receipts::link_lost(const MacAddress& neighbor, Time now) {
   }
 }
 
-/// Back where the packet came from; where that is lost, along the route.
-std::optional<MacAddress> Receipts::way_to(const wire::GroupReceipt& receipt, Time now) const {
+std::optional<Receipts::Way> Receipts::way_to(const wire::GroupReceipt& receipt, Time now) const {
   const auto upstream = flooding_.upstream(receipt.root, receipt.root_boot);
-  if (upstream && neighbors_.two_way(*upstream, now)) return upstream;
+  if (!receipt.by_route && upstream && neighbors_.two_way(*upstream, now)) return Way{*upstream, false};
   const routing::Route* route = router_.route_to(receipt.root, now);
-  return route == nullptr ? std::nullopt : std::optional(route->next_hop);
+  return route == nullptr ? std::nullopt : std::optional(Way{route->next_hop, true});
 }
 
 /// What is due soon goes along with what is due.
@@ -66,7 +72,8 @@ void Receipts::poll(Time now) {
   for (auto& [key, kept] : kept_) {
     if (kept.due > now + kStep) continue;
     if (const auto way = way_to(kept.receipt, now)) {
-      by_way[*way].push_back(&kept);
+      by_way[way->neighbor].push_back(&kept);
+      kept.receipt.by_route = way->by_route;
     } else {
       kept.due = now - kept.heard < kSettled ? now + kAgain : Time::max();
     }

@@ -1,5 +1,6 @@
 // What members have of flooded packets, gathered on the way to the roots: each robot waits for those that are farther
-// from the root, and tells the neighbour from which the packet came.
+// from the root, and tells the neighbour from which the packet came. Where that link works no more, the rest of the way
+// is the route to the root: otherwise the next robot might give it back.
 #pragma once
 
 #include <map>
@@ -61,7 +62,11 @@ class Receipts {
     return {receipt.root, receipt.root_boot, receipt.stream};
   }
   void keep(const wire::GroupReceipt& receipt, Time due, Time now);
-  std::optional<MacAddress> way_to(const wire::GroupReceipt& receipt, Time now) const;
+  struct Way {
+    MacAddress neighbor{};
+    bool by_route = false;
+  };
+  std::optional<Way> way_to(const wire::GroupReceipt& receipt, Time now) const;
   void send(const MacAddress& neighbor, const std::vector<wire::GroupReceipt>& receipts);
 
   const routing::Neighbors& neighbors_;

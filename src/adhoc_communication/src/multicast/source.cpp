@@ -110,7 +110,7 @@ void Source::receipt(Branch& own, const wire::GroupReceipt& receipt, Time now) {
 
 void Source::reached_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now) {
   const Had state = had(receipt, number);
-  if (state == Had::kNot) return;
+  if (state == Had::kNot) return missed_by_flood(transfer, number, receipt, now);
   if (transfer.there.count(receipt.member) == 0) flood_times_.sample(now - transfer.sent);
   if (state == Had::kWaits) {
     transfer.there.insert(receipt.member);
@@ -125,7 +125,17 @@ bool Source::has_delivered(const MacAddress& member, std::uint8_t stream, std::u
 }
 
 void Source::forget_receipts(const MacAddress& member) {
-  for (std::uint8_t stream = 0; stream < transport::kPriorities; ++stream) receipts_.erase({member, stream});
+  for (std::uint8_t stream = 0; stream < transport::kPriorities; ++stream) {
+    receipts_.erase({member, stream});
+    handed_over_.erase({member, stream});
+  }
+}
+
+/// Packets come in order, more or less: with a later one there, it will hardly come any more.
+void Source::missed_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now) {
+  const std::uint32_t ahead = number - receipt.next;  // 0: it is the one that is waited for
+  if (ahead > 31 || receipt.beyond >> ahead == 0) return;
+  if (transfer.missed.emplace(receipt.member, now).second) next_late_ = std::min(next_late_, now + kMissed);
 }
 
 void Source::serve_late(Branch& own, Time now) {
@@ -134,23 +144,49 @@ void Source::serve_late(Branch& own, Time now) {
   for (std::uint8_t stream = 0; stream < own.streams.size(); ++stream) {
     std::set<MacAddress> behind;
     for (auto& [number, transfer] : own.streams[stream].transfers) {
-      if (transfer.flooded && transfer.late <= now) end_late({stream, number}, transfer, behind, now);
-      if (transfer.flooded && !transfer.open.empty()) next_late_ = std::min(next_late_, transfer.late);
+      if (transfer.flooded) end_late({stream, number}, transfer, behind, now);
       behind.insert(transfer.open.begin(), transfer.open.end());
     }
   }
 }
 
+/// The packet is at the member, and waits for one before it; its own copy would bring nothing.
+bool Source::waits(const Transfer& transfer, const MacAddress& member, PacketNumber packet, Time now) const {
+  if (transfer.there.count(member) == 0) return false;
+  if (now - transfer.sent < kWaits) return true;
+  const auto copy = handed_over_.find({member, packet.stream});
+  return copy != handed_over_.end() && before(copy->second.number, packet.number) &&
+         !has_delivered(member, packet.stream, copy->second.number) && now - copy->second.at < kCopyTakes;
+}
+
+void Source::hand_over(const MacAddress& member, PacketNumber packet, Time now) {
+  const MemberStream key(member, packet.stream);
+  if (handed_over_.size() < kMostReceipts || handed_over_.count(key) != 0) handed_over_[key] = {packet.number, now};
+}
+
 /// A copy says that nothing before it will come any more: to members with an earlier packet on its way none is sent.
-void Source::end_late(PacketNumber number, Transfer& transfer, const std::set<MacAddress>& behind, Time now) {
+void Source::end_late(PacketNumber packet, Transfer& transfer, const std::set<MacAddress>& behind, Time now) {
+  const bool all = transfer.late <= now;
   const std::set<MacAddress> open = transfer.open;
   for (const MacAddress& member : open) {
-    const bool waits = transfer.there.count(member) != 0 && now - transfer.sent < kWaits;
-    if (waits || behind.count(member) != 0) continue;
-    if (transfer.there.count(member) == 0) flood_times_.given_up(member, number, transfer.sent);
+    const auto missed = transfer.missed.find(member);
+    const bool has_missed = missed != transfer.missed.end() && missed->second + kMissed <= now;
+    if (!(all || has_missed) || behind.count(member) != 0 || waits(transfer, member, packet, now)) continue;
+    if (transfer.there.count(member) == 0) flood_times_.given_up(member, packet, transfer.sent);
+    hand_over(member, packet, now);
     finish_member(transfer, {transfer.id, member, false, true, "it did not say that it has got it", true});
   }
-  transfer.late = now + flood_times_.timeout();
+  if (all) transfer.late = now + flood_times_.timeout();
+  if (!transfer.open.empty()) next_late_ = std::min(next_late_, transfer.late);
+  for (const auto& [member, since] : transfer.missed) {
+    if (since + kMissed > now) next_late_ = std::min(next_late_, since + kMissed);
+  }
+}
+
+void Source::copy_arrived(Branch& own, const MacAddress& member, PacketNumber packet, Time now) {
+  const auto known = receipts_.find({member, packet.stream});
+  if (known == receipts_.end() || before(packet.number, known->second.next)) return;
+  receipt(own, with_delivered(known->second, packet.number), now);
 }
 
 void Source::begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now) {
@@ -209,6 +245,7 @@ void Source::give_up(Branch& own, const MacAddress& member, bool by_copy, const 
 
 void Source::drop_member(Branch& own, const MacAddress& member, const std::string& reason) {
   give_up(own, member, false, reason);
+  for (std::uint8_t stream = 0; stream < transport::kPriorities; ++stream) handed_over_.erase({member, stream});
 }
 
 void Source::reached(Transfer& transfer, const std::set<MacAddress>& members) {

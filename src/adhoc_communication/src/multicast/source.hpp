@@ -32,7 +32,9 @@ class Source {
   static constexpr std::size_t kFewFrames = 8;  ///< for which no way is looked for where the tree has failed
   static constexpr std::size_t kMostReceipts = wire::kMostMembersOfActivation * transport::kPriorities;
   static constexpr std::size_t kMostFlooded = 32;  ///< packets of one priority on their way; further ones take the tree
-  static constexpr Time kWaits = std::chrono::seconds(2);     ///< a flooded packet at a member, for those before it
+  static constexpr Time kMissed = std::chrono::milliseconds(200);  ///< a later one is there: time for it to come, too
+  static constexpr Time kWaits = std::chrono::seconds(2);       ///< a flooded packet at a member, for those before it
+  static constexpr Time kCopyTakes = std::chrono::seconds(10);  ///< for so long others wait for it
   static constexpr Time kLeftOut = std::chrono::seconds(10);  ///< a tree that did not reach a member is given no other
 
   Source(std::uint16_t segment_size, std::uint8_t first_parity)
@@ -77,6 +79,8 @@ class Source {
   /// A packet goes to a member by itself: until that has ended, members are not told to pass it over.
   void copy_started(std::uint8_t stream, std::uint32_t number) { copies_[stream].insert(number); }
   void copy_finished(std::uint8_t stream, std::uint32_t number);
+  /// As a receipt for it would say: all before it have come, or never will, and those that waited for it are delivered.
+  void copy_arrived(Branch& own, const MacAddress& member, PacketNumber packet, Time now);
   /// The first packet that the tree or a copy still has to bring to somebody.
   std::uint32_t oldest_open(const Branch& own, std::uint8_t stream) const;
 
@@ -89,7 +93,10 @@ class Source {
 
   static std::set<MacAddress> awaiting(const Branch& own);
   void reached_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now);
-  void end_late(PacketNumber number, Transfer& transfer, const std::set<MacAddress>& behind, Time now);
+  void missed_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now);
+  void hand_over(const MacAddress& member, PacketNumber packet, Time now);
+  bool waits(const Transfer& transfer, const MacAddress& member, PacketNumber packet, Time now) const;
+  void end_late(PacketNumber packet, Transfer& transfer, const std::set<MacAddress>& behind, Time now);
   void built(const Branch& own, const std::set<MacAddress>& members, Time now);
 
   void begin(Branch& own, Transfer& transfer, SendId id, transport::Image image, Time now);
@@ -111,8 +118,13 @@ class Source {
   std::array<std::multiset<std::uint32_t, routing::SequenceOrder>, transport::kPriorities> copies_;
   FloodTimes flood_times_;
   Time next_late_ = Time::max();
-  std::map<std::pair<MacAddress, std::uint8_t>, wire::GroupReceipt>
-      receipts_;  ///< the latest of each member, by stream
+  using MemberStream = std::pair<MacAddress, std::uint8_t>;
+  std::map<MemberStream, wire::GroupReceipt> receipts_;  ///< the latest
+  struct HandedOver {
+    std::uint32_t number = 0;
+    Time at{0};
+  };
+  std::map<MemberStream, HandedOver> handed_over_;  ///< the latest flooded packet that goes to the member by itself
   std::vector<MemberEnd> ends_;
 };
 

@@ -61,6 +61,7 @@ struct Transfer {
   std::set<MacAddress> there;  ///< of a flooded one: of these, those where it waits for packets before it
   Time sent{0};                ///< of a flooded one
   Time late{0};                ///< of a flooded one: when members of which nothing was heard are served by themselves
+  std::map<MacAddress, Time> missed;  ///< and those that have a later packet, since when that is known
 };
 
 /// Packets of one priority from one root. Delivered in order; a packet that the root has given up is passed over. It

@@ -5,6 +5,7 @@ namespace adhoc_communication::wire {
 namespace {
 
 constexpr std::uint8_t kGroupStreamMask = 0x03;
+constexpr std::uint8_t kByRouteFlag = 0x80;
 constexpr std::uint8_t kReportFlag = 0x80;
 constexpr std::uint8_t kFollowsFlag = 0x40;
 constexpr std::uint8_t kFloodedFlag = 0x20;
@@ -128,7 +129,7 @@ void write(Writer& writer, const GroupReceipts& receipts) {
   for (const GroupReceipt& receipt : receipts.receipts) {
     writer.octets(receipt.root);
     writer.u64(receipt.root_boot);
-    writer.u8(receipt.stream);
+    writer.u8(static_cast<std::uint8_t>(receipt.stream | (receipt.by_route ? kByRouteFlag : 0)));
     writer.octets(receipt.member);
     writer.u32(receipt.next);
     writer.u32(receipt.beyond);
@@ -141,11 +142,13 @@ std::optional<GroupReceipts> read_group_receipts(Reader reader) {
     GroupReceipt receipt;
     receipt.root = reader.individual_address();
     receipt.root_boot = reader.u64();
-    receipt.stream = reader.u8();
+    const std::uint8_t stream = reader.u8();
+    receipt.stream = stream & kGroupStreamMask;
+    receipt.by_route = (stream & kByRouteFlag) != 0;
     receipt.member = reader.individual_address();
     receipt.next = reader.u32();
     receipt.beyond = reader.u32();
-    if (receipt.stream > kGroupStreamMask) return std::nullopt;
+    if ((stream & ~(kGroupStreamMask | kByRouteFlag)) != 0) return std::nullopt;
     receipts.receipts.push_back(receipt);
   }
   const std::size_t count = receipts.receipts.size();

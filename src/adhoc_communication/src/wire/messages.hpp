@@ -240,6 +240,7 @@ struct GroupReceipt {
   MacAddress member{};
   std::uint32_t next = 0;    ///< packets before this one have been delivered, or will not come any more
   std::uint32_t beyond = 0;  ///< bit i: packet next + 1 + i is there
+  bool by_route = false;     ///< rather than back where the packets came from, where somebody's way has ended
 };
 constexpr std::size_t kGroupReceiptSize = 29;
 

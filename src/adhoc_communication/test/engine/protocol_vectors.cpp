@@ -222,7 +222,7 @@ std::string fields(const wire::GroupReceipts& receipts) {
   const std::string items = list(receipts.receipts, [](const wire::GroupReceipt& receipt) {
     return object({{"root", hex(receipt.root)},
                    {"root_boot_tag", tag(receipt.root_boot)},
-                   {"stream", number(receipt.stream)},
+                   {"stream", number(receipt.stream | (receipt.by_route ? 0x80u : 0u))},
                    {"member", hex(receipt.member)},
                    {"next", number(receipt.next)},
                    {"beyond", number(receipt.beyond)}});
@@ -382,8 +382,8 @@ void add_groups(Examples& examples) {
   report.first_block = 4;
   report.missing.clear();
   examples.add("group report, complete", FrameType::kGroupReport, report, kAcknowledged);
-  const wire::GroupReceipts receipts{
-      {{kAlice.address, kAlice.boot, 1, kBob.address, 33, 0}, {kAlice.address, kAlice.boot, 1, kCarol.address, 31, 2}}};
+  const wire::GroupReceipts receipts{{{kAlice.address, kAlice.boot, 1, kBob.address, 33, 0},
+                                      {kAlice.address, kAlice.boot, 1, kCarol.address, 31, 2, true}}};
   examples.add("group receipts", FrameType::kGroupReceipts, receipts, kAcknowledged);
 }
 

@@ -246,6 +246,20 @@ TEST_F(CarriageTest, WhatWasMeasuredLongAgoIsTriedAnew) {
   EXPECT_EQ(way(), Way::kTrial);
 }
 
+/// On a crowded channel, one frame that seemed six times as fast as others had a root build trees, which went to
+/// pieces.
+TEST_F(CarriageTest, OneFastNeighbourDoesNotMakeBroadcastsSlow) {
+  know(wire::kEverybody, 2ms);
+  for (std::uint8_t i = 1; i <= 3; ++i) {
+    const MacAddress neighbor{2, 0, 0, 0, 1, i};
+    neighbors_.heard(neighbor, i, now_);
+    know(neighbor, i == 1 ? 300us : 1900us);
+  }
+  EXPECT_TRUE(carriage_.flood_pays(20, 10));
+  for (std::uint8_t i = 2; i <= 3; ++i) know({2, 0, 0, 0, 1, i}, 300us);
+  EXPECT_FALSE(carriage_.flood_pays(20, 10)) << "they are slow";
+}
+
 /// Data frames of a 200 kB packet to the group of robot 0, by themselves to a member and for everybody.
 std::pair<int, int> group_frames(std::size_t members, double broadcast_rate) {
   MediumOptions medium;

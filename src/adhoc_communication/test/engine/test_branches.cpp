@@ -246,5 +246,60 @@ TEST(Source, LearnsToWaitForAMemberWhoseReceiptsTakeLongerThanThoseOfOthers) {
   EXPECT_EQ(std::count(copied.end() - 20, copied.end(), true), 0);
 }
 
+wire::GroupReceipt receipt_of(const MacAddress& member, std::uint32_t next, std::uint32_t beyond = 0) {
+  wire::GroupReceipt receipt;
+  receipt.member = member;
+  receipt.stream = kStream;
+  receipt.next = next;
+  receipt.beyond = beyond;
+  return receipt;
+}
+
+/// Floods packets 0 and on, a second apart, of which the member says nothing so far.
+void flood(Root& root, int packets) {
+  for (int packet = 0; packet < packets; ++packet)
+    root.source.start_flooded(root.own, 1 + packet, Priority::kNormal, image(500), {kA}, 10s + packet * 1s);
+}
+
+/// Until then only the timeout told, which is long where receipts of some take long.
+TEST(Source, AMemberThatHasALaterFloodedPacketIsSentTheOneBefore) {
+  Root root;
+  root.source.start_flooded(root.own, 1, Priority::kNormal, image(500), {kA}, 10s);
+  root.source.start_flooded(root.own, 2, Priority::kNormal, image(500), {kA}, 10050ms);
+  root.source.receipt(root.own, receipt_of(kA, 0, 1), 10100ms);
+  root.source.serve_late(root.own, 10100ms + Source::kMissed - 1ms);
+  EXPECT_TRUE(root.source.take_ends().empty()) << "it may have been overtaken";
+  EXPECT_EQ(root.source.next_late(), 10100ms + Source::kMissed);
+  root.source.serve_late(root.own, 10100ms + Source::kMissed);
+  const std::vector<MemberEnd> ends = root.source.take_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].id == 1 && ends[0].by_copy && !ends[0].delivered);
+}
+
+/// Each was sent a copy, too, once it had waited for 2 s.
+TEST(Source, PacketsThatWaitAtAMemberForOneThatGoesThereByItselfGetNoCopies) {
+  Root root;
+  flood(root, 3);
+  root.source.receipt(root.own, receipt_of(kA, 0, 3), 12100ms);
+  for (Time now = 12100ms; now < 19s; now += 100ms) root.source.serve_late(root.own, now);
+  std::vector<MemberEnd> ends = root.source.take_ends();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].id == 1 && ends[0].by_copy);
+  root.source.copy_arrived(root.own, kA, {kStream, 0}, 19s);
+  ends = root.source.take_ends();
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_TRUE(ends[0].delivered && ends[1].delivered && !ends[0].by_copy && !ends[1].by_copy);
+}
+
+TEST(Source, ACopyThatDoesNotArriveIsNotWaitedForForGood) {
+  Root root;
+  flood(root, 2);
+  root.source.receipt(root.own, receipt_of(kA, 0, 1), 11100ms);
+  for (Time now = 11100ms; now < 30s; now += 100ms) root.source.serve_late(root.own, now);
+  const std::vector<MemberEnd> ends = root.source.take_ends();
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_TRUE(ends[0].by_copy && ends[1].by_copy);
+}
+
 }  // namespace
 }  // namespace adhoc_communication::multicast

@@ -32,6 +32,18 @@ TEST(FloodTimes, WhatIsSaidAfterItWasGivenUpCounts) {
   EXPECT_EQ(times.timeout(), timeout) << "it is said once";
 }
 
+/// What ninety-nine say at once had made it forget the last one by the next packet.
+TEST(FloodTimes, OfManyMembersTheSlowestCounts) {
+  FloodTimes times;
+  for (int packet = 0; packet < 20; ++packet) {
+    times.sample(2s);
+    for (int i = 0; i < 99; ++i) times.sample(100ms);
+  }
+  EXPECT_GT(times.timeout(), 2s);
+  for (int i = 0; i < 5000; ++i) times.sample(100ms);
+  EXPECT_LT(times.timeout(), 250ms) << "it is not there any more";
+}
+
 TEST(FloodTimes, OnlyOfThatMemberAndThatPacketAndNotLongAfter) {
   FloodTimes times;
   times.given_up(kMember, {kStream, 7}, 10s);

@@ -1,6 +1,8 @@
 // Packets of one frame for most of the team: everybody passes them on, members say that they have them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "finish.hpp"
 #include "payloads.hpp"
 #include "random_waypoint.hpp"
@@ -103,6 +105,37 @@ TEST(GroupFlood, RepeatsUntilTheNextOneIsHeard) {
     flood.finish_all();
     flood.expect_all_at({1, 2, 3, 4, 5});
   }
+}
+
+/// Robot 1 is heard by the root no more, and 2 got the packets from 1: what 1 told 2 then, by the route, came back to
+/// 1, and got no farther. The root sent copies to all behind.
+TEST(GroupFlood, ReceiptsThatGoByTheRouteAreNotGivenBack) {
+  Flood flood;
+  const std::vector<std::pair<std::size_t, std::size_t>> links{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {1, 4}, {1, 5}, {1, 6}};
+  for (std::size_t robot = 0; robot < 7; ++robot) flood.team.add({}, static_cast<double>(robot), 0);
+  for (std::size_t a = 0; a < 7; ++a) {
+    for (std::size_t b = a + 1; b < 7; ++b) {
+      const bool linked = std::find(links.begin(), links.end(), std::pair(a, b)) != links.end() ||
+                          std::find(links.begin(), links.end(), std::pair(b, a)) != links.end();
+      if (!linked) flood.team.medium().set_link_loss(a, b, 1.0);
+    }
+  }
+  flood.team.medium().set_link_loss(2, 3, 0.3);
+  flood.team.run_for(10s);
+  flood.send();
+  flood.finish_all();
+  flood.team.medium().set_one_way_loss(1, 0, 1.0);
+  flood.team.run_for(10s);
+  const SendId asks = flood.team.send(1, Team::name(0), noise(10, 0));
+  ASSERT_TRUE(finish(flood.team, 1, asks));
+  flood.copies = 0;
+  for (int packet = 0; packet < 5; ++packet) {
+    flood.send();
+    flood.team.run_for(1s);
+  }
+  flood.finish_all();
+  flood.expect_all_at({1, 2, 4, 5, 6});
+  EXPECT_EQ(flood.copies, 0);
 }
 
 /// Of what a copy for one member may overtake nothing is lost.
