@@ -152,16 +152,16 @@ void Source::serve_late(Branch& own, Time now) {
 
 /// The packet is at the member, and waits for one before it; its own copy would bring nothing.
 bool Source::waits(const Transfer& transfer, const MacAddress& member, PacketNumber packet, Time now) const {
-  if (transfer.there.count(member) == 0) return false;
+  if (transfer.there.count(member) == 0 || now - transfer.sent >= kCopyTakes) return false;
   if (now - transfer.sent < kWaits) return true;
   const auto copy = handed_over_.find({member, packet.stream});
-  return copy != handed_over_.end() && before(copy->second.number, packet.number) &&
-         !has_delivered(member, packet.stream, copy->second.number) && now - copy->second.at < kCopyTakes;
+  return copy != handed_over_.end() && before(copy->second, packet.number) &&
+         !has_delivered(member, packet.stream, copy->second);
 }
 
-void Source::hand_over(const MacAddress& member, PacketNumber packet, Time now) {
+void Source::hand_over(const MacAddress& member, PacketNumber packet) {
   const MemberStream key(member, packet.stream);
-  if (handed_over_.size() < kMostReceipts || handed_over_.count(key) != 0) handed_over_[key] = {packet.number, now};
+  if (handed_over_.size() < kMostReceipts || handed_over_.count(key) != 0) handed_over_[key] = packet.number;
 }
 
 /// A copy says that nothing before it will come any more: to members with an earlier packet on its way none is sent.
@@ -173,7 +173,7 @@ void Source::end_late(PacketNumber packet, Transfer& transfer, const std::set<Ma
     const bool has_missed = missed != transfer.missed.end() && missed->second + kMissed <= now;
     if (!(all || has_missed) || behind.count(member) != 0 || waits(transfer, member, packet, now)) continue;
     if (transfer.there.count(member) == 0) flood_times_.given_up(member, packet, transfer.sent);
-    hand_over(member, packet, now);
+    hand_over(member, packet);
     finish_member(transfer, {transfer.id, member, false, true, "it did not say that it has got it", true});
   }
   if (all) transfer.late = now + flood_times_.timeout();

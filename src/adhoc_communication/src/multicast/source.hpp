@@ -34,7 +34,7 @@ class Source {
   static constexpr std::size_t kMostFlooded = 32;  ///< packets of one priority on their way; further ones take the tree
   static constexpr Time kMissed = std::chrono::milliseconds(200);  ///< a later one is there: time for it to come, too
   static constexpr Time kWaits = std::chrono::seconds(2);       ///< a flooded packet at a member, for those before it
-  static constexpr Time kCopyTakes = std::chrono::seconds(10);  ///< for so long others wait for it
+  static constexpr Time kCopyTakes = std::chrono::seconds(10);  ///< so old, packets wait for none
   static constexpr Time kLeftOut = std::chrono::seconds(10);  ///< a tree that did not reach a member is given no other
 
   Source(std::uint16_t segment_size, std::uint8_t first_parity)
@@ -94,7 +94,7 @@ class Source {
   static std::set<MacAddress> awaiting(const Branch& own);
   void reached_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now);
   void missed_by_flood(Transfer& transfer, std::uint32_t number, const wire::GroupReceipt& receipt, Time now);
-  void hand_over(const MacAddress& member, PacketNumber packet, Time now);
+  void hand_over(const MacAddress& member, PacketNumber packet);
   bool waits(const Transfer& transfer, const MacAddress& member, PacketNumber packet, Time now) const;
   void end_late(PacketNumber packet, Transfer& transfer, const std::set<MacAddress>& behind, Time now);
   void built(const Branch& own, const std::set<MacAddress>& members, Time now);
@@ -120,11 +120,7 @@ class Source {
   Time next_late_ = Time::max();
   using MemberStream = std::pair<MacAddress, std::uint8_t>;
   std::map<MemberStream, wire::GroupReceipt> receipts_;  ///< the latest
-  struct HandedOver {
-    std::uint32_t number = 0;
-    Time at{0};
-  };
-  std::map<MemberStream, HandedOver> handed_over_;  ///< the latest flooded packet that goes to the member by itself
+  std::map<MemberStream, std::uint32_t> handed_over_;    ///< the latest flooded packet that goes there by itself
   std::vector<MemberEnd> ends_;
 };
 
