@@ -185,11 +185,33 @@ void Distributor::evicted(const transport::Reassembly::Key& key) {
   if (Branch* branch = branches_.find(key.source, key.boot)) sink_.evicted(*branch, key);
 }
 
-void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream, std::uint32_t number,
-                            const Bytes& image, Time now) {
+void Distributor::take_copy(const MacAddress& root, wire::BootTag boot, std::uint8_t stream_number,
+                            std::uint32_t number, const Bytes& image, Time now) {
   Branch& branch = branches_.of(root, boot, now);
-  sink_.take_copy(root, branch, stream, number, image, now);
-  if (branch.streams[stream].next - number > 1) owe_receipt(root, branch, stream, now);
+  GroupStream& stream = branch.streams[stream_number];
+  const bool is_news = stream.started && !before(number, stream.next);
+  sink_.take_copy(root, branch, stream_number, number, image, now);
+  if (stream.next - number > 1) owe_receipt(root, branch, stream_number, now);
+  if (is_news) pass_on_copy(root, branch, stream_number, number, image, now);
+}
+
+/// Where a link that carries floods has lost the packet, all beyond it lack it.
+void Distributor::pass_on_copy(const MacAddress& root, const Branch& branch, std::uint8_t stream_number,
+                               std::uint32_t number, const Bytes& image, Time now) {
+  const GroupStream& stream = branch.streams[stream_number];
+  if (stream.flood_hops == 0 || !stream.base || image.size() > segment_size_) return;
+  wire::GroupData data;
+  data.root = root;
+  data.root_boot = branch.tree.boot;
+  data.stream = stream_number;
+  data.flooded = true;
+  data.hops = static_cast<std::uint8_t>(std::min<int>(stream.flood_hops + 1, wire::kFarthestHop));
+  data.packet = number;
+  data.base = *stream.base;
+  data.total = static_cast<std::uint32_t>(image.size());
+  data.segment_size = segment_size_;
+  data.octets = image;
+  flooding_.take_copy(std::move(data), now);
 }
 
 void Distributor::link_lost(const MacAddress& neighbor, Time now) {

@@ -96,6 +96,8 @@ class Distributor {
   void serve(const MacAddress& root, Branch& branch, Time now);
   std::uint32_t base_of(const Place& place) const;
   bool on_flooded(const MacAddress& from, const wire::GroupData& data, bool member, Time now);
+  void pass_on_copy(const MacAddress& root, const Branch& branch, std::uint8_t stream, std::uint32_t number,
+                    const Bytes& image, Time now);
   void owe_receipt(const MacAddress& root, const Branch& branch, std::uint8_t stream, Time now);
 
   const Identity& self_;

@@ -23,6 +23,11 @@ void Flooding::take(const MacAddress& from, const wire::GroupData& data, Time no
   add(from, std::move(passed_on), random_.delay(kJitter), now);
 }
 
+void Flooding::take_copy(wire::GroupData data, Time now) {
+  const MacAddress root = data.root;
+  if (packets_.count(key_of(data)) == 0) add(root, std::move(data), random_.delay(kJitter), now);
+}
+
 void Flooding::add(const MacAddress& from, wire::GroupData data, Time jitter, Time now) {
   make_room();
   const Key key = key_of(data);

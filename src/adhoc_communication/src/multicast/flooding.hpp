@@ -38,6 +38,8 @@ class Flooding {
   void originate(wire::GroupData data, Time now) { add({}, std::move(data), Time(0), now); }
   /// One that came from `from`, who has sent it by now.
   void take(const MacAddress& from, const wire::GroupData& data, Time now);
+  /// One that came by itself: robots near this one may lack it as well.
+  void take_copy(wire::GroupData data, Time now);
   /// The neighbour with the best link of those that sent the latest packet of that run of the root before this robot
   /// decided about it. Each has sent it before whoever chooses it, so that nothing goes in circles.
   std::optional<MacAddress> upstream(const MacAddress& root, wire::BootTag boot) const;

@@ -107,6 +107,31 @@ TEST(GroupFlood, RepeatsUntilTheNextOneIsHeard) {
   }
 }
 
+/// All behind a link that had lost the packet were sent copies, each over that link: 39 frames.
+TEST(GroupFlood, ACopyIsPassedOnToThoseNearby) {
+  MediumOptions medium;
+  medium.bit_rate = 1e6;
+  Flood flood(medium);
+  std::vector<std::size_t> members;
+  for (std::size_t robot = 0; robot < 20; ++robot) {
+    const auto place = static_cast<double>(robot);
+    flood.team.add({}, robot < 2 ? 8.0 * place : 16.0 + 0.05 * place, 0);
+    if (robot > 0) members.push_back(robot);
+  }
+  flood.team.run_for(10s);
+  flood.send();
+  flood.finish_all();
+  flood.team.medium().set_link_loss(0, 1, 1.0);
+  flood.send();
+  flood.team.run_for(200ms);
+  flood.team.medium().set_link_loss(0, 1, std::nullopt);
+  flood.copies = 0;
+  flood.finish_all();
+  flood.expect_all_at(members);
+  EXPECT_GT(flood.copies, 0) << "otherwise this tests nothing";
+  EXPECT_LT(flood.copies, 20);
+}
+
 /// Robot 1 is heard by the root no more, and 2 got the packets from 1: what 1 told 2 then, by the route, came back to
 /// 1, and got no farther. The root sent copies to all behind.
 TEST(GroupFlood, ReceiptsThatGoByTheRouteAreNotGivenBack) {
