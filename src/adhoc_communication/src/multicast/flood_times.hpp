@@ -33,6 +33,13 @@ class FloodTimes {
     if (given_up_.size() == kMostGivenUp) given_up_.pop_front();
     given_up_.push_back({member, packet, sent});
   }
+  /// A copy has brought the packet there: what the member says of it now tells nothing of floods.
+  void copied(const MacAddress& member, PacketNumber packet) {
+    const auto is_it = [&](const GivenUp& one) {
+      return one.member == member && one.packet.stream == packet.stream && one.packet.number == packet.number;
+    };
+    given_up_.erase(std::remove_if(given_up_.begin(), given_up_.end(), is_it), given_up_.end());
+  }
   void told(const wire::GroupReceipt& receipt, Time now) {
     const auto is_done = [&](const GivenUp& one) {
       if (now - one.sent > kLongest) return true;

@@ -184,6 +184,7 @@ void Source::end_late(PacketNumber packet, Transfer& transfer, const std::set<Ma
 }
 
 void Source::copy_arrived(Branch& own, const MacAddress& member, PacketNumber packet, Time now) {
+  flood_times_.copied(member, packet);
   const auto known = receipts_.find({member, packet.stream});
   if (known == receipts_.end() || before(packet.number, known->second.next)) return;
   receipt(own, with_delivered(known->second, packet.number), now);

@@ -54,6 +54,19 @@ TEST(FloodTimes, OnlyOfThatMemberAndThatPacketAndNotLongAfter) {
   EXPECT_EQ(times.timeout(), FloodTimes().timeout());
 }
 
+/// Each loss made the timeout longer, until the next one was waited for as long as can be.
+TEST(FloodTimes, WhatIsSaidOfACopyDoesNotCount) {
+  FloodTimes times;
+  for (int i = 0; i < 20; ++i) times.sample(50ms);
+  times.given_up(kMember, {kStream, 7}, 10s);
+  times.given_up(kMember, {kStream, 8}, 10s);
+  times.copied(kMember, {kStream, 7});
+  times.told(receipt(kMember, 8), 11s);
+  EXPECT_EQ(times.timeout(), 200ms);
+  times.told(receipt(kMember, 9), 11s);
+  EXPECT_GT(times.timeout(), 1s) << "the other one was not copied";
+}
+
 TEST(FloodTimes, TheOldestMakeRoom) {
   FloodTimes times;
   times.given_up(kMember, {kStream, 7}, 10s);
