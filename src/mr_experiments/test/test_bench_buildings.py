@@ -140,6 +140,18 @@ def test_missions_of_either_odometry_have_records_of_their_own(tmp_path, monkeyp
     assert {"turtlebot, R = 1", "turtlebot, random walk, R = 1"} <= names
 
 
+def test_missions_of_some_team_sizes(tmp_path, monkeypatch):
+    def records_of_all(trials, folder, jobs, console):
+        return [record(robot(), seed=trial.seed) for trial in trials]
+
+    monkeypatch.setattr(command, "records_of_all", records_of_all)
+    command.main(["--out", str(tmp_path / "b.json"), "--only", "many", "narrow", "--robots", "4", "8", "--trials", "1"])
+    names = {row["what"].partition(":")[0] for row in json.loads((tmp_path / "b.json").read_text())}
+    assert names == {"many, R = 8", "narrow, R = 4"}
+
+
 def test_bad_calls(capsys):
     assert command.main(["--huge-trials", "0"]) == 2 and "--huge-trials" in capsys.readouterr().err
+    assert command.main(["--only", "large", "--robots", "3", "5"]) == 2
+    assert "no team of large has 3 or 5 robots" in capsys.readouterr().err
     assert command.main(["--only", "moon"]) == 2

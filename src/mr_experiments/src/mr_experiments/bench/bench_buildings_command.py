@@ -18,7 +18,7 @@ from mr_experiments.bench.mission_benchmark import (
     tell,
 )
 from mr_experiments.bench.mission_set import records_of_all
-from mr_experiments.common.command_line import Parser
+from mr_experiments.common.command_line import CallError, Parser
 from mr_measures.record.mission_record import BIAS, MissionRecord
 from mr_sim.world import ODOMETRY_MODELS
 
@@ -35,6 +35,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--out", type=Path, default=Path("out/bench/buildings.json"), metavar="FILE", help="for the rows (default: "
         "%(default)s); the records go into a folder of that name beside it")  # fmt: skip
     add("--only", nargs="+", choices=list(KINDS), default=list(KINDS), help="kinds of missions (default: all)")
+    add("--robots", nargs="+", type=int, metavar="R", help="team sizes, of those that each kind has (default: all)")
     add("--trials", type=int, default=20, metavar="N", help="missions of each kind and team size (default: "
         "%(default)s)")  # fmt: skip
     add("--huge-trials", type=int, default=1, metavar="N", help="the same on the floor of 60 m x 60 m, a quarter of an "
@@ -64,6 +65,10 @@ def _missions(options: argparse.Namespace, odometry: str, console: Console) -> d
     first, folder = options.first_seed, options.out.with_suffix("")
     seeds, huge = range(first, first + options.trials), range(first, first + options.huge_trials)
     groups = trials_of(options.only, seeds, huge, odometry)
+    if options.robots:
+        groups = {group: trials for group, trials in groups.items() if group.team in options.robots}
+    if not groups:
+        raise CallError(f"no team of {', '.join(options.only)} has {' or '.join(map(str, options.robots))} robots")
     trials = [trial for group in groups.values() for trial in group]
     where = folder if odometry == BIAS else folder / odometry
     records = iter(records_of_all(trials, where, options.jobs, console))
