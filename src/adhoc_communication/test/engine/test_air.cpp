@@ -246,8 +246,7 @@ TEST_F(CarriageTest, WhatWasMeasuredLongAgoIsTriedAnew) {
   EXPECT_EQ(way(), Way::kTrial);
 }
 
-/// On a crowded channel, one frame that seemed six times as fast as others had a root build trees, which went to
-/// pieces.
+/// One that seems six times as fast as the others, as may be on a crowded channel, would have a root build trees there.
 TEST_F(CarriageTest, OneFastNeighbourDoesNotMakeBroadcastsSlow) {
   know(wire::kEverybody, 2ms);
   for (std::uint8_t i = 1; i <= 3; ++i) {
